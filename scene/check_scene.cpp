@@ -1,4 +1,5 @@
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "scene/check.h"
@@ -11,6 +12,7 @@ using scene::check;  // in addition to the functions below
 constexpr int kMostChannels = 64;
 constexpr int kMostPoints = 1024;
 constexpr int kMostPlanes = 6;
+constexpr int kMostLabels = 256;
 constexpr std::uint32_t kMostBounces = 1024;
 constexpr double kDensest = 1e7;  // per mm
 
@@ -156,6 +158,23 @@ Complaint check(const diaphane::v1::Shading& shading) {
                   "must be from 1e-9 to 1e9 per mm");
 }
 
+Complaint check_labels(const diaphane::v1::Scene& scene) {
+  if (scene.labels_size() > kMostLabels) return complain("labels", "must be at most 256");
+  std::set<std::uint32_t> numbers;
+  for (int i = 0; i < scene.labels_size(); ++i) {
+    const std::string field = "labels[" + std::to_string(i) + "]";
+    const auto& look = scene.labels(i);
+    if (!numbers.insert(look.number()).second) {
+      return complain(field + ".number", "must not be that of another look");
+    }
+    if (auto c = check(look.colour(), 1, field + ".colour", "must be from 0 to 1")) return c;
+    if (auto c = in_range(look.opacity(), 0, 1, field + ".opacity", "must be from 0 to 1")) {
+      return c;
+    }
+  }
+  return {};
+}
+
 Complaint first_complaint(const diaphane::v1::Scene& scene, PictureCheck check_picture) {
   if (auto c = check(scene.transfer_function())) return c;
   if (auto c = check_lights(scene, check_picture)) return c;
@@ -167,6 +186,7 @@ Complaint first_complaint(const diaphane::v1::Scene& scene, PictureCheck check_p
   if (auto c = check(scene.clip())) return c;
   if (auto c = check(scene.slices())) return c;
   if (auto c = check(scene.shading())) return c;
+  if (auto c = check_labels(scene)) return c;
   if (scene.bounces() > kMostBounces) return complain("bounces", "must be at most 1024");
   return {};
 }

@@ -9,6 +9,7 @@ namespace diaphane::volume {
 namespace {
 
 constexpr std::string_view kMagic{"DIALABEL\x01", 9};  // the last byte is the version
+constexpr auto kLastOfIngest = static_cast<std::uint8_t>(Label::kMetal);
 
 void append_number(std::string& bytes, std::uint64_t number) {
   while (number >= 0x80) {
@@ -56,7 +57,8 @@ void for_each_run(std::string_view runs, Each each) {
 
 /// Returns the runs of sound labels. All are checked before anything is allocated, so that damaged
 /// bytes cost no memory.
-Result<std::string_view> checked_runs(std::string_view bytes, std::array<std::uint32_t, 3> size) {
+Result<std::string_view> checked_runs(std::string_view bytes, std::array<std::uint32_t, 3> size,
+                                      std::uint8_t most = kLastOfIngest) {
   if (!bytes.starts_with(kMagic)) return invalid("These are not labels of this version.");
   bytes.remove_prefix(kMagic.size());
   for (const std::uint32_t side : size) {
@@ -72,7 +74,7 @@ Result<std::string_view> checked_runs(std::string_view bytes, std::array<std::ui
     rest.remove_prefix(1);
     std::uint64_t count = 0;
     if (!take_number(rest, count)) return invalid("The labels are cut off.");
-    if (label > static_cast<std::uint8_t>(Label::kMetal)) return invalid("A label is unknown.");
+    if (label > most) return invalid("A label is unknown.");
     if (count == 0 || count > left) return invalid("A run of labels has an invalid length.");
     left -= count;
   }
@@ -95,8 +97,9 @@ std::string encode(const Labels& labels) {
   return bytes;
 }
 
-Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size) {
-  const auto runs = checked_runs(bytes, size);
+Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size,
+                      std::uint8_t most) {
+  const auto runs = checked_runs(bytes, size, most);
   DIAPHANE_TRY(runs);
   Labels labels{size, {}};
   labels.voxels.reserve(*voxels_of(size));

@@ -4,14 +4,14 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "common/result.h"
+#include "volume/label_set.h"
 #include "volume/volume.h"
 
 namespace diaphane::volume {
 
-/// What a voxel of a scan shows.
+/// What a voxel of a scan shows, as ingest finds it.
 enum class Label : std::uint8_t {
   kOutside,  ///< air around the patient
   kBody,     ///< the patient, with a margin of air that interpolation at the skin needs
@@ -19,22 +19,17 @@ enum class Label : std::uint8_t {
   kMetal,    ///< metal inside the body
 };
 
-/// One label per voxel, in the order of Volume::voxels. Every byte is a value of Label.
-struct Labels {
-  std::array<std::uint32_t, 3> size{};
-  std::vector<std::uint8_t> voxels;
-};
-
 /// Returns a header and run lengths. Each run is the byte of its label and its number of voxels as
 /// LEB128.
 std::string encode(const Labels& labels);
 
 /// Reads what encode() returned for a volume of `size`. Returns kInvalid if the bytes are damaged,
-/// have another version or belong to a volume of another size. Allocates no more than one byte per
-/// voxel of `size`, whatever the bytes say.
-Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size);
+/// have another version, contain a label above `most`, or belong to a volume of another size.
+/// Allocates no more than one byte per voxel of `size`, whatever the bytes say.
+Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size,
+                      std::uint8_t most = static_cast<std::uint8_t>(Label::kMetal));
 
-/// Returns kInvalid if decode() would refuse the bytes. Allocates nothing.
+/// Returns kInvalid if decode() would refuse the bytes as values of Label. Allocates nothing.
 Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> size);
 
 /// Returns the largest possible size of encoded labels: a run of two bytes for each voxel.

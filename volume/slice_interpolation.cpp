@@ -143,6 +143,21 @@ class Refiner {
   int factor_ = 1;
 };
 
+/// Returns the labels of the thinner slices: each is a copy of the stored slice that it is part of,
+/// because labels cannot be interpolated.
+std::vector<std::uint8_t> refined_labels(const Volume& volume, std::uint32_t refinement) {
+  const std::vector<std::uint8_t>& stored = volume.label_set.labels.voxels;
+  std::vector<std::uint8_t> refined;
+  refined.reserve(stored.size() * refinement);
+  const auto pixels = static_cast<std::ptrdiff_t>(volume.header.size[0]) * volume.header.size[1];
+  for (auto slice = stored.begin(); slice != stored.end(); slice += pixels) {
+    for (std::uint32_t i = 0; i < refinement; ++i) {
+      refined.insert(refined.end(), slice, slice + pixels);
+    }
+  }
+  return refined;
+}
+
 }  // namespace
 
 std::uint32_t refinement_of(const Header& header) {
@@ -176,16 +191,28 @@ void refine_slices(Volume& volume, std::uint32_t refinement, unsigned threads) {
     for (unsigned i = 0; i < std::clamp(threads, 1U, pairs); ++i) workers.emplace_back(work);
   }
   if (out_of_memory) throw std::bad_alloc();
+  std::vector<std::uint8_t> labels = refined_labels(volume, refinement);
   volume.voxels = std::move(refined);
-  volume.header.size[2] *= refinement;
-  volume.header.spacing[2] /= refinement;
-  volume.header.interpolated = refinement;
+  volume.label_set.labels.voxels = std::move(labels);
+  Header& header = volume.header;
+  if (header.origin) {
+    // The box stays, so the centre of the first, thinner slice is nearer to its face.
+    const double shift = 0.5 * header.spacing[2] * (1 - 1.0 / refinement);
+    for (std::size_t row = 0; row < 3; ++row) {
+      (*header.origin)[row] -= shift * header.direction[3 * row + 2];
+    }
+  }
+  header.size[2] *= refinement;
+  header.spacing[2] /= refinement;
+  if (!volume.label_set.empty()) volume.label_set.labels.size = header.size;
+  header.interpolated = refinement;
 }
 
 Header stored_header(const Header& header) {
   Header stored = header;
   stored.size[2] /= header.interpolated;
   stored.spacing[2] *= header.interpolated;
+  stored.origin.reset();
   stored.interpolated = 1;
   return stored;
 }

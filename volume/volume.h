@@ -3,10 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/result.h"
+#include "volume/label_set.h"
 
 namespace diaphane::volume {
 
@@ -29,6 +31,10 @@ struct Header {
   std::array<double, 8> percentiles{};  ///< at 1, 10, 25, 50, 75, 90, 99, 99.9 %
   std::string content_hash;             ///< empty until stored
   std::vector<std::string> repairs;     ///< in plain language
+  /// Where the scan lies in the patient's space: the centre of voxel (0, 0, 0) in mm (LPS). Not
+  /// stored; only needed while labels are matched to the scan.
+  std::optional<std::array<double, 3>> origin;
+  std::string frame_of_reference;  ///< identifier of that space; empty: unknown. Not stored.
   /// Number of slices that refine_slices() made of each stored one. Not stored.
   std::uint32_t interpolated = 1;
 
@@ -43,6 +49,7 @@ struct Volume {
   std::string id;  ///< name of its directory in the store, or empty if it is not from the store
   bool surroundings_hidden = false;  ///< hide_surroundings() was called
   std::string labels;  ///< encoded Labels (labels.h), or empty: everything counts as body
+  LabelSet label_set;  ///< structures that somebody has marked; empty: none
 };
 
 /// Voxels without content, such as padding or the corners next to straightened slices.

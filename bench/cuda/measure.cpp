@@ -108,9 +108,10 @@ Json edit(const CudaVolume& volume) {
   json["tables_on_the_host"] = times_of(21, prepare);
   json["nodes"] = tables[0].count;
   auto made = checked(Acceleration::reserve(Acceleration{}, volume, tables[0]));
-  checked(made.rebuild_acceleration(volume, tables[0], stream.get()));
+  checked(made.rebuild_acceleration(volume, tables[0], nullptr, stream.get()));
   json["majorants_with_upload"] = times_of(21, [&](int i) {
-    checked(made.rebuild_acceleration(volume, tables[static_cast<std::size_t>(i)], stream.get()));
+    checked(made.rebuild_acceleration(volume, tables[static_cast<std::size_t>(i)], nullptr,
+                                      stream.get()));
   });
   json["acceleration_bytes"] = made.device_bytes();
   json["empty_cells"] = made.empty_cells();

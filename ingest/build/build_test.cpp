@@ -65,6 +65,9 @@ TEST(BuildVolume, PlacesEveryVoxelAsItsSliceStates) {
     EXPECT_NEAR(det, 1, 1e-9);
     std::array<double, 3> corner{};  // of voxel 0, 0, 0: the last slice written
     for (std::size_t i = 0; i < 3; ++i) corner[i] = options.origin[i] + 19 * 2 * options.step[i];
+    ASSERT_TRUE(v->header.origin);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR((*v->header.origin)[i], corner[i], 1e-6);
+    EXPECT_EQ(v->header.frame_of_reference, options.series.frame_of_reference_uid);
     for (const auto& [x, y, z] :
          {std::array{0, 0, 0}, std::array{5, 2, 7}, std::array{11, 9, 19}}) {
       const int slice = 19 - z;

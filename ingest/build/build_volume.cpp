@@ -73,6 +73,7 @@ volume::Header header_of(const dicom::Assessment& found, const dicom::Choice& ch
   header.modality = found.modality;
   header.window_center = found.window_center;
   header.window_width = found.window_width;
+  header.origin = found.origin;
   header.repairs = choice.repairs;
   return header;
 }
@@ -91,6 +92,7 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
   volume::Volume& volume = built.volume;
   volume.header = header_of(found, choice);
   const dicom::Slice& first = series.slices[found.order.front()];
+  volume.header.frame_of_reference = first.frame_of_reference;
   volume.header.size = {first.columns, first.rows, static_cast<std::uint32_t>(found.order.size())};
   try {
     volume.voxels.resize(volume.header.voxel_count());

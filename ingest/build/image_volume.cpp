@@ -129,7 +129,8 @@ vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume) {
 }
 
 Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9>& axes,
-                                 double slope, double intercept, std::vector<std::string> repairs) {
+                                 double slope, double intercept, std::vector<std::string> repairs,
+                                 std::optional<std::array<double, 3>> origin) {
   if (image->GetNumberOfScalarComponents() != 1) {
     return fail(ErrorCode::kUnsupported,
                 "this file has several values per voxel (colours, vectors or time steps)");
@@ -137,6 +138,7 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
   volume::Volume volume;
   volume::Header& h = volume.header;
   h.repairs = std::move(repairs);
+  h.origin = origin;
   const int* size = image->GetDimensions();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (size[axis] < 1) return fail(ErrorCode::kInvalid, "the image is empty");
@@ -157,7 +159,10 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
     flip->SetFilteredAxis(2);
     flip->Update();
     upright = flip->GetOutput();
-    for (std::size_t row = 0; row < 3; ++row) h.direction[3 * row + 2] *= -1;
+    for (std::size_t row = 0; row < 3; ++row) {
+      h.direction[3 * row + 2] *= -1;
+      if (h.origin) (*h.origin)[row] += (h.size[2] - 1.0) * axes[3 * row + 2];
+    }
   }
   if (auto ok = volume::check(h); !ok) {
     return fail(ErrorCode::kUnsupported, "the image cannot be shown: " + ok.error().message);

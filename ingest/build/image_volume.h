@@ -4,6 +4,7 @@
 #include <vtkSmartPointer.h>
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,10 @@ vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume);
 
 /// Converts the scalars of `image` (one component) to a measured volume. The columns of `axes` are
 /// the steps from voxel to voxel in mm in the patient's space (LPS). Left-handed axes are reversed.
-/// kUnsupported: other scalars or sheared axes. See read_image for the conversion to int16.
+/// `origin` is the centre of the first voxel, if known. kUnsupported: other scalars or sheared
+/// axes. See read_image for the conversion to int16.
 Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9>& axes,
-                                 double slope, double intercept, std::vector<std::string> repairs);
+                                 double slope, double intercept, std::vector<std::string> repairs,
+                                 std::optional<std::array<double, 3>> origin = std::nullopt);
 
 }  // namespace diaphane::ingest

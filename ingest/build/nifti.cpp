@@ -17,8 +17,8 @@ using Bytes = std::span<const std::byte>;
 // Offsets of nifti1.h (R. Cox et al. 2004).
 constexpr std::size_t kHeaderBytes = 348;
 constexpr std::size_t kDim = 40, kDataType = 70, kPixDim = 76, kVoxOffset = 108, kSlope = 112,
-                      kIntercept = 116, kSformCode = 254, kSrow = 280, kIntentName = 328,
-                      kMagic = 344;
+                      kIntercept = 116, kQformCode = 252, kSformCode = 254, kQuatern = 256,
+                      kQoffset = 268, kSrow = 280, kIntentName = 328, kMagic = 344;
 
 template <typename T>
 T swapped_bytes(T value) {
@@ -75,20 +75,50 @@ Result<void> read_size(Bytes file, NiftiHeader& header) {
   return {};
 }
 
+/// Returns the rotation of a unit quaternion, of which the file gives the last three numbers
+/// (method 2 of nifti1.h).
+std::array<double, 9> rotation_of(double b, double c, double d) {
+  double a = 1 - (b * b + c * c + d * d);
+  if (a > 1e-7) {
+    a = std::sqrt(a);
+  } else {  // half a turn, up to rounding
+    const double length = std::sqrt(b * b + c * c + d * d);
+    a = 0;
+    b /= length;
+    c /= length;
+    d /= length;
+  }
+  return {
+      a * a + b * b - c * c - d * d, 2 * (b * c - a * d),           2 * (b * d + a * c),
+      2 * (b * c + a * d),           a * a + c * c - b * b - d * d, 2 * (c * d - a * b),
+      2 * (b * d - a * c),           2 * (c * d + a * b),           a * a + d * d - b * b - c * c};
+}
+
 void read_axes(Bytes file, NiftiHeader& header) {
   const auto number = [&](std::size_t offset) {
     return static_cast<double>(at<float>(file, offset, header.swapped));
   };
-  header.has_axes = at<std::int16_t>(file, kSformCode, header.swapped) > 0;
+  const bool by_sform = at<std::int16_t>(file, kSformCode, header.swapped) > 0;
+  const bool by_qform = !by_sform && at<std::int16_t>(file, kQformCode, header.swapped) > 0;
+  header.has_axes = by_sform || by_qform;
+  const std::array<double, 9> straight{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const std::array<double, 9> turned =
+      by_qform ? rotation_of(number(kQuatern), number(kQuatern + 4), number(kQuatern + 8))
+               : straight;
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      header.axes[3 * row + axis] = header.has_axes ? number(kSrow + 16 * row + 4 * axis)
-                                    : row == axis   ? std::abs(number(kPixDim + 4 * (axis + 1)))
-                                                    : 0;
+      const double step = std::abs(number(kPixDim + 4 * (axis + 1)));
+      const double side = by_qform && axis == 2 && number(kPixDim) < 0 ? -1 : 1;
+      header.axes[3 * row + axis] =
+          by_sform ? number(kSrow + 16 * row + 4 * axis) : side * step * turned[3 * row + axis];
     }
+    header.origin[row] = by_sform   ? number(kSrow + 16 * row + 12)
+                         : by_qform ? number(kQoffset + 4 * row)
+                                    : 0;
   }
   // From the right-anterior frame of NIfTI.
   for (std::size_t i = 0; i < 6; ++i) header.axes[i] = -header.axes[i];
+  for (std::size_t i = 0; i < 2; ++i) header.origin[i] = -header.origin[i];
 }
 
 }  // namespace

@@ -22,8 +22,9 @@ struct NiftiHeader {
   bool swapped = false;          ///< the bytes are in the other order than here
   std::size_t voxels_begin = 0;  ///< offset of the voxels in the file
   double slope = 1, intercept = 0;
-  std::array<double, 9> axes{};  ///< steps from voxel to voxel in mm (LPS), as columns
-  bool has_axes = false;         ///< false: the file does not say how it lies in the patient
+  std::array<double, 9> axes{};    ///< steps from voxel to voxel in mm (LPS), as columns
+  std::array<double, 3> origin{};  ///< centre of the first voxel in mm (LPS), if `has_axes`
+  bool has_axes = false;           ///< false: the file does not say how it lies in the patient
   volume::Modality modality = volume::Modality::kOther;
 };
 

@@ -69,8 +69,9 @@ Result<volume::Volume> read_nifti_voxels(Bytes file, const NiftiHeader& header) 
   import->Update();
   std::vector<std::string> repairs;
   if (!header.has_axes) repairs.emplace_back(kNoAxes);
-  auto volume = to_volume(import->GetOutput(), header.axes, header.slope, header.intercept,
-                          std::move(repairs));
+  auto volume =
+      to_volume(import->GetOutput(), header.axes, header.slope, header.intercept,
+                std::move(repairs), header.has_axes ? std::optional(header.origin) : std::nullopt);
   if (volume) volume->header.modality = header.modality;
   return volume;
 }

@@ -126,7 +126,10 @@ Result<volume::Volume> read_nifti(const std::string& path) {
       reader->GetSFormMatrix() != nullptr ? reader->GetSFormMatrix() : reader->GetQFormMatrix();
   Axes axes = straight(reader->GetDataSpacing());
   std::vector<std::string> repairs;
+  std::optional<std::array<double, 3>> origin;
   if (matrix != nullptr) {
+    // From the right-anterior frame of NIfTI.
+    origin = {-matrix->GetElement(0, 3), -matrix->GetElement(1, 3), matrix->GetElement(2, 3)};
     for (int row = 0; row < 3; ++row) {
       for (int axis = 0; axis < 3; ++axis) {
         axes[static_cast<std::size_t>(3 * row + axis)] =
@@ -139,7 +142,7 @@ Result<volume::Volume> read_nifti(const std::string& path) {
   const double slope = reader->GetRescaleSlope();
   const bool scaled = std::isfinite(slope) && slope != 0;
   return to_volume(reader->GetOutput(), ras_to_lps(axes), scaled ? slope : 1,
-                   scaled ? reader->GetRescaleIntercept() : 0, std::move(repairs));
+                   scaled ? reader->GetRescaleIntercept() : 0, std::move(repairs), origin);
 }
 
 /// Returns an image over voxels that were unpacked by read_packed_nrrd.

@@ -297,13 +297,15 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
 }
 
 /// Decompresses a deflated data set if its size is allowed.
-void inflate_within(const Limits& limits, Bytes data, Precheck& result) {
-  const std::uint64_t most = limits.inflated_free + times(limits.inflated_ratio, data.size());
-  Inflated inflated = inflate_all(data, std::min(limits.inflated_bytes, most));
+void inflate_within(const Limits& limits, OpenedFile& result) {
+  const std::uint64_t most =
+      limits.inflated_free + times(limits.inflated_ratio, result.data.size());
+  Inflated inflated = inflate_all(result.data, std::min(limits.inflated_bytes, most));
   result.unpacked_bytes = inflated.data.size();
   result.state = inflated.state;
   if (inflated.state == FileState::kFit) {
     result.inflated = std::move(inflated.data);
+    result.data = result.inflated;
   } else {
     result.text = inflated.state == FileState::kTooLarge
                       ? "the decompressed file is larger than allowed"
@@ -330,44 +332,58 @@ void take_contents(Bytes data, const Walked& walked, Precheck& result) {
 
 }  // namespace
 
-Precheck precheck(Bytes file, const Limits& limits) {
-  if (file.size() > limits.file_bytes) return refuse(FileState::kTooLarge, "the file is too large");
+OpenedFile open_file(Bytes file, const Limits& limits) {
+  OpenedFile result;
+  const auto refused = [&](FileState state, std::string text) {
+    result.state = state;
+    result.text = std::move(text);
+    return std::move(result);
+  };
+  if (file.size() > limits.file_bytes) {
+    return refused(FileState::kTooLarge, "the file is too large");
+  }
   const bool with_preamble =
       file.size() >= kPreamble + 4 && std::memcmp(file.data() + kPreamble, "DICM", 4) == 0;
   const bool bare_meta = !with_preamble && file.size() >= 8 && u16(file, 0) == 0x0002 &&
                          u16(file, 2) <= 0x0102 && byte(file, 4) >= 'A' && byte(file, 4) <= 'Z';
   Meta meta;
   if (with_preamble || bare_meta) meta = read_meta(file, with_preamble ? kPreamble + 4 : 0);
-  if (meta.broken) return refuse(FileState::kDamaged, "the file is incomplete");
-  Bytes data = file.subspan(meta.end);
+  if (meta.broken) return refused(FileState::kDamaged, "the file is incomplete");
+  result.data = file.subspan(meta.end);
   if (meta.syntax.empty()) {
-    const auto guessed = guess_syntax(data);
+    const auto guessed = guess_syntax(result.data);
     if (!guessed) {
-      return with_preamble ? refuse(FileState::kDamaged, "the file has a header but no data")
-                           : refuse(FileState::kNotDicom, "this is not a DICOM file");
+      return with_preamble ? refused(FileState::kDamaged, "the file has a header but no data")
+                           : refused(FileState::kNotDicom, "this is not a DICOM file");
     }
     meta.syntax = *guessed;
   }
   const auto syntax = find_syntax(meta.syntax);
   if (!syntax) {
-    return refuse(FileState::kUnsupported, "the compression of the images is not supported (" +
-                                               syntax_name(meta.syntax) + ")");
+    return refused(FileState::kUnsupported, "the compression of the images is not supported (" +
+                                                syntax_name(meta.syntax) + ")");
   }
-  Precheck result;
-  result.state = FileState::kFit;
   result.syntax = *syntax;
+  if (syntax->deflated) inflate_within(limits, result);
+  return result;
+}
+
+Precheck precheck(Bytes file, const Limits& limits) {
+  OpenedFile opened = open_file(file, limits);
+  Precheck result;
+  result.unpacked_bytes = opened.unpacked_bytes;
   // The cost so far counts for a refused file, too.
   const auto give_up = [&](FileState state, std::string text) {
     Precheck refusal = refuse(state, std::move(text));
     refusal.unpacked_bytes = result.unpacked_bytes;
     return refusal;
   };
-  if (syntax->deflated) {
-    inflate_within(limits, data, result);
-    if (result.state != FileState::kFit) return give_up(result.state, std::move(result.text));
-    data = result.inflated;
-  }
-  const Walked walked = walk(data, syntax->explicit_vr, syntax->big_endian, limits);
+  if (opened.state != FileState::kFit) return give_up(opened.state, std::move(opened.text));
+  result.state = FileState::kFit;
+  result.syntax = opened.syntax;
+  const Bytes data = opened.data;
+  result.inflated = std::move(opened.inflated);
+  const Walked walked = walk(data, result.syntax.explicit_vr, result.syntax.big_endian, limits);
   if (walked.state != FileState::kFit) return give_up(walked.state, walked.text);
   check_pixels(data, walked, limits, result);
   if (result.state != FileState::kFit) return give_up(result.state, std::move(result.text));

@@ -85,6 +85,24 @@ struct Precheck {
   std::vector<std::vector<GroupedText>> each;  ///< values per frame
 };
 
+/// A file whose header was read and whose data set was inflated, if necessary.
+struct OpenedFile {
+  OpenedFile() = default;
+  OpenedFile(OpenedFile&&) = default;
+  OpenedFile& operator=(OpenedFile&&) = default;
+  OpenedFile(const OpenedFile&) = delete;  // contains a view into itself
+  OpenedFile& operator=(const OpenedFile&) = delete;
+
+  FileState state = FileState::kFit;
+  std::string text;  ///< reason for refusal
+  TransferSyntax syntax;
+  std::span<const std::byte> data;   ///< the data set, in the file or in `inflated`
+  std::vector<std::byte> inflated;   ///< contents of a deflated file
+  std::uint64_t unpacked_bytes = 0;  ///< of a deflated file, even if it is refused
+};
+/// The first part of precheck(), which says what is refused. The data set is not checked.
+OpenedFile open_file(std::span<const std::byte> file, const Limits& limits);
+
 /// Walks the whole file before any library reads it. It checks that every length is within the
 /// remaining bytes, that sequences are not nested deeper than the limit, that the pixels are
 /// complete and within the limits, that images inside compressed pixels have the size in the

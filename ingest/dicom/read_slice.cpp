@@ -181,6 +181,7 @@ Slice slice_of(const Elements& in) {
   slice.patient = in.text(0x0010, 0x0020) + '\n' + in.text(0x0010, 0x0010);
   slice.series_uid = in.text(0x0020, 0x000E);
   slice.sop_uid = in.text(0x0008, 0x0018);
+  slice.frame_of_reference = in.text(0x0020, 0x0052);
   slice.image_type = in.texts(0x0008, 0x0008);
   slice.is_lossy = in.text(0x0028, 0x2110) == "01";
   slice.rows = in.us(0x0028, 0x0010).value_or(0);

@@ -42,6 +42,7 @@ struct Slice {
   Kind kind = Kind::kOther;
   volume::Modality modality = volume::Modality::kOther;
   std::string patient, series_uid, sop_uid;
+  std::string frame_of_reference;  ///< identifies the patient's space
   std::string
       stack;  ///< identifies frames that lie behind one another; empty outside enhanced files
   std::vector<std::string> image_type;

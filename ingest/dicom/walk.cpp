@@ -16,11 +16,11 @@ constexpr std::uint32_t kModalityLookupTable = 0x00283000;
 constexpr std::uint32_t kExtendedOffsets = 0x7FE00001;
 
 /// All elements that are read (dicom/slice.h), sorted for the search.
-constexpr std::array<std::uint32_t, 27> kNeeded{
+constexpr std::array<std::uint32_t, 28> kNeeded{
     0x00080008, 0x00080016, 0x00080018, 0x00080060, 0x00100010, 0x00100020, 0x0020000E,
-    0x00200032, 0x00200037, 0x00280002, 0x00280004, 0x00280006, 0x00280008, 0x00280010,
-    0x00280011, 0x00280030, 0x00280100, 0x00280101, 0x00280102, 0x00280103, 0x00280120,
-    0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053, 0x00282110};
+    0x00200032, 0x00200037, 0x00200052, 0x00280002, 0x00280004, 0x00280006, 0x00280008,
+    0x00280010, 0x00280011, 0x00280030, 0x00280100, 0x00280101, 0x00280102, 0x00280103,
+    0x00280120, 0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053, 0x00282110};
 constexpr std::uint32_t kLongestNeeded = 1024;
 
 /// Elements of functional groups that are read: each value with the group in which it counts.
@@ -53,8 +53,13 @@ struct Stop {
 
 class Walker {
  public:
-  Walker(std::span<const std::byte> data, bool explicit_vr, bool big_endian, const Limits& limits)
-      : data_(data), explicit_(explicit_vr), big_endian_(big_endian), limits_(limits) {}
+  Walker(std::span<const std::byte> data, bool explicit_vr, bool big_endian, const Limits& limits,
+         DataSet* tree)
+      : data_(data),
+        explicit_(explicit_vr),
+        big_endian_(big_endian),
+        limits_(limits),
+        into_(tree) {}
 
   void run() {
     data_set(data_.size(), false, explicit_, 0);
@@ -140,6 +145,7 @@ class Walker {
         return;
       }
       if (e.tag >> 16 == 0xFFFE) damaged("an item appears in place of an element");
+      if (into_ != nullptr) into_->push_back({e.tag, {}, {}});
       if (depth == 0 && e.tag == kPixelData) {
         pixels(e, end);
       } else {
@@ -167,6 +173,7 @@ class Walker {
     // Readers look for items even if the representation is not "sequence".
     const bool hidden = (!explicit_vr || e.is("UN")) && e.length >= 8 && tag_at(at_) == kItem;
     const bool holds_others = e.is("SQ") || hidden;
+    if (!holds_others && into_ != nullptr) into_->back().value = data_.subspan(at_, e.length);
     if (holds_others) sequence(stop, false, explicit_vr && e.is("SQ"), depth + 1);
     at_ = stop;
     return !holds_others;
@@ -184,12 +191,15 @@ class Walker {
       if (item.tag != kItem) damaged("a sequence contains something other than items");
       if (depth == 1 && top_ == kFrameGroups) result_.each.emplace_back();
       if (depth == 1 && (top_ == kFrameGroups || top_ == kSharedGroups)) result_.has_groups = true;
+      DataSet* const outer = into_;
+      if (outer != nullptr) into_ = &outer->back().items.emplace_back();
       if (item.length == kUndefined) {
         data_set(end, true, explicit_vr, depth);
       } else {
         need(item.length, end);
         data_set(at_ + item.length, false, explicit_vr, depth);
       }
+      into_ = outer;
     }
     if (open) damaged("the file is incomplete");
   }
@@ -202,6 +212,7 @@ class Walker {
     if (e.length != kUndefined) {
       need(e.length, end);
       result_.native = {e.tag, at_, at_ + e.length};
+      if (into_ != nullptr) into_->back().value = data_.subspan(at_, e.length);
       at_ += e.length;
       return;
     }
@@ -284,14 +295,15 @@ class Walker {
   std::uint32_t elements_ = 0;
   std::uint32_t top_ = 0;    ///< top-level element that is being walked
   std::uint32_t group_ = 0;  ///< functional group within it
+  DataSet* into_;            ///< receives the elements of the current item; null: nobody wants them
   Walked result_;
 };
 
 }  // namespace
 
 Walked walk(std::span<const std::byte> data, bool explicit_vr, bool big_endian,
-            const Limits& limits) {
-  Walker walker(data, explicit_vr, big_endian, limits);
+            const Limits& limits, DataSet* tree) {
+  Walker walker(data, explicit_vr, big_endian, limits, tree);
   try {
     walker.run();
   } catch (const Stop& stop) {

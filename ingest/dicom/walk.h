@@ -31,8 +31,18 @@ struct Walked {
   std::vector<std::vector<Range>> each;  ///< values per frame
 };
 
-/// Checks the structure of a data set (DICOM PS3.5, 7). See precheck().
+/// An element of a data set. Compressed pixels have no value.
+struct DataElement;
+using DataSet = std::vector<DataElement>;  ///< also one item of a sequence
+struct DataElement {
+  std::uint32_t tag = 0;
+  std::span<const std::byte> value;  ///< points into the walked data
+  std::vector<DataSet> items;        ///< of a sequence
+};
+
+/// Checks the structure of a data set (DICOM PS3.5, 7). See precheck(). `tree`, if given, receives
+/// all elements, valid if the result is fit.
 Walked walk(std::span<const std::byte> data, bool explicit_vr, bool big_endian,
-            const Limits& limits);
+            const Limits& limits, DataSet* tree = nullptr);
 
 }  // namespace diaphane::dicom

@@ -14,6 +14,7 @@
 #include "renderd/cli/input.h"
 #include "renderd/cli/picture_file.h"
 #include "renderd/cli/report.h"
+#include "renderd/cli/scan_readers.h"
 #include "renderd/cli/stop_rule.h"
 #include "renderd/scene/contrast_agent.h"
 #include "renderd/scene/presets.h"
@@ -78,6 +79,25 @@ Result<diaphane::v1::Scene> scene_of_preset(const std::string& name, const volum
   // An unknown preset is not a missing file.
   if (!preset) return fail(ErrorCode::kInvalid, preset.error().message, "--preset");
   return preset->scene();
+}
+
+/// Prints the labels of --labels, one per line.
+Result<void> print_labels(const Options& options) {
+  const auto input = read_input(options.input);
+  DIAPHANE_TRY(input);
+  const auto set = read_label_file(options.label_file, input->header);
+  DIAPHANE_TRY(set);
+  list_labels(*set, input->header, std::cout);
+  return {};
+}
+
+/// Adds the labels of --labels to the scan and to the scene.
+Result<void> add_marked(const Options& options, volume::Volume& input, diaphane::v1::Scene& scene) {
+  if (options.label_file.empty()) return {};
+  auto set = read_label_file(options.label_file, input.header);
+  DIAPHANE_TRY(set);
+  input.label_set = *std::move(set);
+  return show_labels(input.label_set, options.labels, scene);
 }
 
 /// Prints the presets that the scan can show, one per line.
@@ -192,6 +212,9 @@ Result<Rendered> render(const Options& options) {
   if (const auto lit = light_by_environment(options, *scene); !lit) {
     return tl::make_unexpected(lit.error());
   }
+  if (const auto marked = add_marked(options, *input, *scene); !marked) {
+    return tl::make_unexpected(marked.error());
+  }
   if (!options.stored_slices) {
     volume::refine_slices(
         *input, volume::refinement_of(input->header),
@@ -226,6 +249,10 @@ int complain(const Error& error, int exit_code) {
 int run(const Options& options) {
   if (options.list_presets) {
     const auto listed = list_presets(options);
+    return listed ? 0 : complain(listed.error(), exit_code_of(listed.error().code));
+  }
+  if (options.list_labels) {
+    const auto listed = print_labels(options);
     return listed ? 0 : complain(listed.error(), exit_code_of(listed.error().code));
   }
   auto rendered = render(options);

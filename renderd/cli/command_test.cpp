@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "renderd/scene/presets.h"
@@ -84,6 +86,71 @@ TEST_F(Command, EnvironmentReplacesTheLights) {
   EXPECT_EQ(run(o), kExitData);
   o.environment = folder_ / "missing.hdr";
   EXPECT_EQ(run(o), kExitNoInput);
+}
+
+/// A NIfTI label volume of the size of test::skull_volume(), whose first `layers` slices have the
+/// label 10.
+std::string labels_of_skull(std::int16_t width, int layers) {
+  std::string file(352, '\0');
+  const auto put = [&](std::size_t at, auto value) {
+    std::memcpy(&file[at], &value, sizeof value);
+  };
+  put(0, std::int32_t{348});
+  const std::int16_t dim[] = {3, width, 48, 30};
+  for (std::size_t i = 0; i < 4; ++i) put(40 + 2 * i, dim[i]);
+  put(70, std::int16_t{2});  // uint8
+  const float steps[] = {1, 1, 1, 1.6F};
+  for (std::size_t i = 0; i < 4; ++i) put(76 + 4 * i, steps[i]);
+  put(108, 352.0F);
+  std::memcpy(&file[344], "n+1", 4);
+  const auto slice = static_cast<std::size_t>(width) * 48;
+  const auto marked = slice * static_cast<std::size_t>(layers);
+  return file + std::string(marked, '\x0a') + std::string(30 * slice - marked, '\0');
+}
+
+TEST_F(Command, ShowsAndHidesLabels) {
+  Options o = options();
+  o.samples = 8;
+  ASSERT_EQ(run(o), 0);
+  const std::string plain = text_of("out.ppm");
+  o.label_file = folder_ / "labels.nii";
+  std::ofstream(o.label_file, std::ios::binary) << labels_of_skull(48, 30);
+  testing::internal::CaptureStderr();
+  const int exit_code = run(o);
+  const std::string complaint = testing::internal::GetCapturedStderr();
+  if (complaint.find("DIAPHANE_INGEST") != std::string::npos) GTEST_SKIP() << complaint;
+  ASSERT_EQ(exit_code, 0) << complaint;
+  const auto features = report()["features"];
+  EXPECT_NE(std::ranges::find(features, "labels"), features.end());
+  EXPECT_NE(text_of("out.ppm"), plain) << "the colour of the label";
+  o.labels = {*parse_label("10=0")};
+  ASSERT_EQ(run(o), 0);
+  const std::string hidden = text_of("out.ppm");
+  EXPECT_EQ(std::set(hidden.end() - 3 * 24 * 16, hidden.end()).size(), 1u) << "only the sky";
+  o.labels = {*parse_label("10=solo")};
+  ASSERT_EQ(run(o), 0);
+  EXPECT_NE(text_of("out.ppm"), hidden);
+  o.labels = {*parse_label("Liver=0")};
+  EXPECT_EQ(run(o), kExitData);
+  o.labels = {};
+  std::ofstream(o.label_file, std::ios::binary) << labels_of_skull(47, 30);
+  EXPECT_EQ(run(o), kExitData) << "labels of another scan";
+  o.label_file = folder_ / "missing.nii";
+  EXPECT_EQ(run(o), kExitNoInput);
+}
+
+TEST_F(Command, ListsLabelsAndRendersNothing) {
+  Options o = options();
+  o.label_file = folder_ / "labels.nii";
+  o.list_labels = true;
+  std::ofstream(o.label_file, std::ios::binary) << labels_of_skull(48, 5);
+  testing::internal::CaptureStdout();
+  const int exit_code = run(o);
+  const std::string listed = testing::internal::GetCapturedStdout();
+  EXPECT_FALSE(fs::exists(o.picture));
+  if (exit_code == kExitData) GTEST_SKIP() << "built without DIAPHANE_INGEST";
+  EXPECT_TRUE(listed.starts_with("10\t#")) << listed;
+  EXPECT_NE(listed.find("\t18.4 ml\t"), std::string::npos) << "48 x 48 x 5 voxels of 1.6 mm³";
 }
 
 TEST_F(Command, StopsAtTheRequestedError) {

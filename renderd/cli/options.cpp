@@ -31,6 +31,8 @@ Examples:
   diaphane-render head/ --preset bone --out head.png
   diaphane-render ct.nii.gz --scene scene.json --size 1920x1080 --samples 256 \
       --out ct.exr --json ct.json
+  diaphane-render head.nii.gz --preset skin --labels nuclei.nii.gz --label 1=#e04030 \
+      --label 2=solo --out nuclei.png
   diaphane-render ct.nrrd --scene scene.json --error 0.02 --seconds 60 --out ct.png --json -
 
 The report (--json) contains these fields:
@@ -148,6 +150,7 @@ std::string check_folder_of(const std::string& path) {
 /// Values that are converted after or while they are parsed.
 struct Texts {
   std::string size, engine = "auto", walk, points, mis;
+  std::vector<std::string> labels;
 };
 
 void add_input(::CLI::App& app, Options& options, Texts& texts) {
@@ -168,6 +171,31 @@ void add_input(::CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--size", texts.size, "size of the picture in pixels (default: 512x512)")
       ->type_name("WxH")
       ->check([&options](const std::string& text) { return parse_size(text, options.canvas); }, "");
+}
+
+std::string check_label(const std::string& text) {
+  if (parse_label(text)) return {};
+  return "must be NAME=LOOK, for example Liver=#c04030,0.5 or 7=solo, but got '" + text + "'";
+}
+
+void add_labels(::CLI::App& app, Options& options, Texts& texts) {
+  auto* file = app.add_option("--labels", options.label_file,
+                              "labels of the scan, in their colours: a NIfTI label volume, a DICOM "
+                              "segmentation (SEG) or a DICOM structure set (RTSTRUCT)")
+                   ->type_name("FILE");
+  app.add_option("--label", texts.labels,
+                 "how to show a label, by name or number (0: all other matter): a colour "
+                 "(#rrggbb), an opacity (0 hides "
+                 "it, 1 shows its matter as it is) and solo (hides all else), separated by commas; "
+                 "may be repeated")
+      ->type_name("NAME=LOOK")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->check(check_label, "")
+      ->needs(file);
+  app.add_flag("--list-labels", options.list_labels,
+               "print number, colour, volume and name of each label, and render nothing")
+      ->needs(file);
 }
 
 void add_stop_rule(::CLI::App& app, Options& options) {
@@ -257,6 +285,7 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   // The help shows the options in this order.
   Texts texts;
   add_input(app, options, texts);
+  add_labels(app, options, texts);
   add_stop_rule(app, options);
   add_engine(app, options, texts);
   add_method(app, options, texts);
@@ -265,7 +294,8 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
     options.engine = engine_choice(texts.engine);
-    if (!options.list_presets) {
+    for (const std::string& text : texts.labels) options.labels.push_back(*parse_label(text));
+    if (!options.list_presets && !options.list_labels) {
       if (app.count("--scene") == 0 && app.count("--preset") == 0) {
         throw ::CLI::RequiredError("--scene or --preset");
       }

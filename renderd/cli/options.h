@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
+#include "renderd/cli/labels.h"
 #include "renderd/cli/stop_rule.h"
 #include "renderd/engine/frame_renderer.h"
 
@@ -25,7 +27,9 @@ struct Options {
   std::string input;
   std::string scene_file;  ///< excludes `preset`
   std::string preset;
-  std::string environment;  ///< panorama that replaces the lights; empty: none
+  std::string environment;          ///< panorama that replaces the lights; empty: none
+  std::string label_file;           ///< empty: none
+  std::vector<LabelOption> labels;  ///< requires `label_file`
   Canvas canvas{512, 512};
   std::optional<std::uint32_t> samples;  ///< per pixel
   std::optional<double> error;           ///< estimated error at which to stop
@@ -40,6 +44,7 @@ struct Options {
   std::string picture;         ///< .png, .exr or .ppm
   std::string report;          ///< path for JSON; "-" is standard output; empty: none
   bool denoise = false;
+  bool list_labels = false;   ///< prints the labels of `label_file`, and renders nothing
   bool list_presets = false;  ///< prints the presets that the scan can show, and renders nothing
   bool quiet = false;
 

@@ -11,6 +11,8 @@ namespace diaphane::render::cli {
 Result<volume::Volume> read_dicom_folder(const std::string& path);
 Result<volume::Volume> read_image_file(const std::string& path);
 
+Result<volume::LabelSet> read_label_file(const std::string& path, const volume::Header& scan);
+
 /// Labels the body in a measured volume. Without ingest/, everything counts as body.
 void add_labels(volume::Volume& volume);
 

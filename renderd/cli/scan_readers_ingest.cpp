@@ -3,6 +3,7 @@
 #include "ingest/body/label_body.h"
 #include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
+#include "ingest/labels/read_labels.h"
 #include "renderd/cli/scan_readers.h"
 #include "volume/labels.h"
 
@@ -18,6 +19,10 @@ Result<volume::Volume> read_image_file(const std::string& path) {
       ErrorCode::kUnsupported,
       "the name of the file must end in .mha, .mhd, .nii, .nii.gz or .nrrd; for DICOM files, "
       "give the folder that contains the series");
+}
+
+Result<volume::LabelSet> read_label_file(const std::string& path, const volume::Header& scan) {
+  return ingest::read_label_file(path, scan);
 }
 
 void add_labels(volume::Volume& volume) {

@@ -15,6 +15,9 @@ tl::unexpected<Error> without_readers() {
 
 Result<volume::Volume> read_dicom_folder(const std::string&) { return without_readers(); }
 Result<volume::Volume> read_image_file(const std::string&) { return without_readers(); }
+Result<volume::LabelSet> read_label_file(const std::string&, const volume::Header&) {
+  return without_readers();
+}
 void add_labels(volume::Volume&) {}
 
 }  // namespace diaphane::render::cli

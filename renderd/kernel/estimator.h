@@ -46,8 +46,8 @@ HOST_DEVICE float tracked_visibility(const SceneView<Volume>& scene, Float3 plac
   const Span span = clip_span<F>(scene, ray, clip(ray, scene.grid.occupied, Span{0.0f, distance}),
                                  RayKind::kLight);
   if (!(span.begin < span.end)) return 1.0f;
-  return transmittance<F.has(Feature::kSteepExtinction)>(
-      ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
+  return transmittance<F.has(Feature::kSteepExtinction)>(ray, span, scene.grid, medium_of<F>(scene),
+                                                         random);
 }
 
 /// Number of collisions after which a path may end by roulette. Before, roulette adds more noise
@@ -83,8 +83,8 @@ HOST_DEVICE Float3 indirect_light(const SceneView<Volume>& scene, Float3 place, 
                                    RayKind::kLight);
     Collision hit{0.0f, 0.0f, false, false};
     if (span.begin < span.end) {
-      hit = track<F.has(Feature::kSteepExtinction)>(
-          ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
+      hit = track<F.has(Feature::kSteepExtinction)>(ray, span, scene.grid, medium_of<F>(scene),
+                                                    random);
     }
     if constexpr (F.has(Feature::kAreaLights) && kMixes<F>) {
       if (collisions > 1) {
@@ -147,11 +147,11 @@ HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x
   result.radiance = primary.background;
   result.hit_medium = result.shows_slice = primary.slice;
   if constexpr (F.has(Feature::kGuides)) {
-    if (sample < kGuidedSamples) result.guides = guides_along(scene, camera.ray, span);
+    if (sample < kGuidedSamples) result.guides = guides_along<F>(scene, camera.ray, span);
   }
   if (!(span.begin < span.end)) return result;
-  const Collision hit = track<F.has(Feature::kSteepExtinction)>(
-      camera.ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
+  const Collision hit = track<F.has(Feature::kSteepExtinction)>(camera.ray, span, scene.grid,
+                                                                medium_of<F>(scene), random);
   result.hit_medium |= hit.hit_medium;
   if (!hit.found) return result;
   result.shows_slice = false;

@@ -30,21 +30,32 @@ enum class Feature : std::uint32_t {
   kSteepExtinction,      ///< clear and very dense matter side by side, which needs bounds per voxel
   kGuides,               ///< depth, albedo and normal of the visible matter, for the denoiser
   kCurves,               ///< the extinction is not a single linear function of the value
+  kLabels,               ///< labels of the voxels change the extinction or the colour
   kCount
 };
 inline constexpr std::uint32_t kFeatureCount = static_cast<std::uint32_t>(Feature::kCount);
 /// Names for reports, in the order of Feature.
-inline constexpr const char* kFeatureNames[kFeatureCount] = {
-    "area light",        "many lights",
-    "shaped lights",     "textured lights",
-    "environment",       "textured environment",
-    "anisotropic phase", "surfaces",
-    "hybrid shading",    "gloss",
-    "emission",          "lens",
-    "orthographic",      "clip",
-    "clipped light",     "slices",
-    "bounces",           "steep extinction",
-    "denoiser guides",   "curves"};
+inline constexpr const char* kFeatureNames[kFeatureCount] = {"area light",
+                                                             "many lights",
+                                                             "shaped lights",
+                                                             "textured lights",
+                                                             "environment",
+                                                             "textured environment",
+                                                             "anisotropic phase",
+                                                             "surfaces",
+                                                             "hybrid shading",
+                                                             "gloss",
+                                                             "emission",
+                                                             "lens",
+                                                             "orthographic",
+                                                             "clip",
+                                                             "clipped light",
+                                                             "slices",
+                                                             "bounces",
+                                                             "steep extinction",
+                                                             "denoiser guides",
+                                                             "curves",
+                                                             "labels"};
 
 /// A set of features; structural, so that it can be a template argument.
 struct Features {

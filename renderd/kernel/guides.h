@@ -1,6 +1,7 @@
 #pragma once
 
 #include "renderd/film/guides.h"
+#include "renderd/kernel/labels.h"
 #include "renderd/kernel/medium.h"
 #include "renderd/kernel/scatter.h"
 #include "renderd/kernel/views.h"
@@ -16,7 +17,7 @@ inline constexpr float kGuidesEnd = 0.02f;
 /// along the ray, so guides from a few collisions would be as noisy as the picture that they help
 /// to denoise. The steps cause a bias, which does no harm, because guides only say which pixels are
 /// alike.
-template <typename Volume>
+template <Features F = Features{}, typename Volume>
 HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, Span span) {
   Guides sum{};
   if (!(span.begin < span.end)) return sum;
@@ -33,14 +34,20 @@ HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, 
     const float step = length / static_cast<float>(steps);
     for (std::int32_t i = 0; i < steps && clear > kGuidesEnd; ++i) {
       const float t = walk.begin() + (static_cast<float>(i) + 0.5f) * step;
-      const float value = scene.volume.at(ray.at(t));
-      const float depth = extinction_at(scene.transfer, value) * step;
+      const Float3 place = ray.at(t);
+      const float value = scene.volume.at(place);
+      const float depth = medium_of<F>(scene).extinction(value, place) * step;
       if (!(depth > 0.0f)) continue;
       const float left = clear * expf(-depth);
       const float weight = clear - left;
       clear = left;
       sum.depth += weight * t;
-      sum.albedo += albedo_at(scene.transfer, value) * weight;
+      Float3 albedo = albedo_at(scene.transfer, value);
+      if constexpr (F.has(Feature::kLabels)) {
+        const LabelLook look = look_at(scene.labels, scene.volume.size, place);
+        if (!(look.colour.x < 0.0f)) albedo = look.colour;
+      }
+      sum.albedo += albedo * weight;
       if (weight > most) {
         most = weight;
         most_at = t;

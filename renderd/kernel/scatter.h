@@ -2,6 +2,7 @@
 
 #include "renderd/kernel/brdf.h"
 #include "renderd/kernel/features.h"
+#include "renderd/kernel/labels.h"
 #include "renderd/kernel/medium.h"
 #include "renderd/kernel/phase.h"
 #include "renderd/kernel/views.h"
@@ -115,6 +116,12 @@ HOST_DEVICE Scatter<F> scatter_at(const SceneView<Volume>& scene, Float3 place, 
                                   Float3 incoming, float choice) {
   Scatter<F> s{};
   s.albedo = albedo_at(scene.transfer, value);
+  [[maybe_unused]] float opacity = 1.0f;  // of the label
+  if constexpr (F.has(Feature::kLabels)) {
+    const LabelLook look = look_at(scene.labels, scene.volume.size, place);
+    if (!(look.colour.x < 0.0f)) s.albedo = look.colour;
+    opacity = look.opacity;
+  }
   s.incoming = incoming;
   s.g = scene.phase_g;
   if constexpr (F.has(Feature::kSurfaces)) {
@@ -123,7 +130,7 @@ HOST_DEVICE Scatter<F> scatter_at(const SceneView<Volume>& scene, Float3 place, 
     s.surface = gradient.slope > 0.0f;
     if constexpr (F.has(Feature::kHybrid)) {
       // Without that choice `surfaces` is infinite, so that the exponential is 0.
-      s.surface = s.surface && 1.0f - choice > expf(-gradient.slope * scene.surfaces);
+      s.surface = s.surface && 1.0f - choice > expf(-gradient.slope * opacity * scene.surfaces);
     }
     if (!s.surface) return s;
     // Both sides of a surface reflect.

@@ -1,24 +1,12 @@
 #pragma once
 
+#include "renderd/kernel/labels.h"
 #include "renderd/kernel/medium.h"
 #include "renderd/kernel/views.h"
 #include "renderd/kernel/walk.h"
 #include "renderd/math/random.h"
 
 namespace diaphane::render {
-
-/// The extinction at a place: the transfer function applied to interpolated voxels.
-template <typename Volume>
-struct Medium {
-  const Volume& volume;
-  const TransferView& transfer;
-
-  HOST_DEVICE float extinction(float value) const { return extinction_at(transfer, value); }
-  /// Returns an upper bound over a cell between voxel centres (VoxelWalk).
-  HOST_DEVICE float majorant(Int3 cell) const {
-    return largest_extinction(transfer, volume.corner_range(cell));
-  }
-};
 
 /// Optical depth and ratio at which the transmittance estimate starts Russian roulette. Any value
 /// is unbiased; these gave the least variance times time on the cranium scene.
@@ -41,17 +29,17 @@ struct Collision {
 /// Delta tracking from `begin` to `end` under `majorant` > 0. On entry and exit, `pending` is the
 /// optical depth of the majorant up to the next tentative collision. It is not a distance, because
 /// a step of 1e-6 mm would be lost when added to 100 mm.
-template <typename Volume>
-HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant,
-                             const Medium<Volume>& medium, Random& random, float& pending,
-                             Collision& hit) {
+template <typename AnyMedium>
+HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant, const AnyMedium& medium,
+                             Random& random, float& pending, Collision& hit) {
   const float depth_of_piece = majorant * (piece.end - piece.begin);
   const float inverse = 1.0f / majorant;
   float depth = pending;
   while (depth < depth_of_piece) {
     const float t = piece.begin + depth * inverse;
-    const float value = medium.volume.at(ray.at(t));
-    const float extinction = medium.extinction(value);
+    const Float3 place = ray.at(t);
+    const float value = medium.volume.at(place);
+    const float extinction = medium.extinction(value, place);
     const Random::Pair u = random.unit_and_exponential();
     hit.hit_medium |= extinction > 0.0f;
     if (u.a * majorant < extinction) {
@@ -68,9 +56,9 @@ HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant,
 /// Finds the first real collision along `ray` within `span` (inside the grid's box), by delta
 /// tracking through the macrocells (Woodcock 1965; local majorants: Szirmay-Kalos 2011). Unbiased
 /// if the bounds of each cell hold.
-template <bool Steep = false, typename Volume>
+template <bool Steep = false, typename AnyMedium>
 HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
-                            const Medium<Volume>& medium, Random& random) {
+                            const AnyMedium& medium, Random& random) {
   Collision hit{0.0f, 0.0f, false, false};
   float pending = random.exponential();
   CellWalk walk(ray, span, grid);
@@ -98,9 +86,9 @@ HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
 
 /// Ratio tracking from `begin` to `end` of the extinction above `bounds.minorant`. Multiplies
 /// `ratio`, which becomes 0 if roulette ends the estimate. `pending` is as in track_piece().
-template <typename Volume>
+template <typename AnyMedium>
 HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
-                              const Medium<Volume>& medium, Random& random, float& pending,
+                              const AnyMedium& medium, Random& random, float& pending,
                               float& ratio) {
   const float residual = bounds.majorant - bounds.minorant;
   const float depth_of_piece = residual * (piece.end - piece.begin);
@@ -109,7 +97,8 @@ HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
     const float inverse = 1.0f / residual;
     do {
       const float t = piece.begin + depth * inverse;
-      const float extinction = medium.extinction(medium.volume.at(ray.at(t)));
+      const Float3 place = ray.at(t);
+      const float extinction = medium.extinction(medium.volume.at(place), place);
       const Random::Pair u = random.unit_and_exponential();
       ratio *= max((bounds.majorant - extinction) * inverse, 0.0f);
       if (ratio < kRouletteRatio) {
@@ -128,9 +117,9 @@ HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
 /// Returns an unbiased estimate of the transmittance along `ray` over `span`, by residual ratio
 /// tracking (Novak et al. 2014). The minorant of each cell is applied exactly and the rest by ratio
 /// tracking. Nearly dark rays end by roulette.
-template <bool Steep = false, typename Volume>
+template <bool Steep = false, typename AnyMedium>
 HOST_DEVICE float transmittance(const Ray& ray, Span span, const GridView& grid,
-                                const Medium<Volume>& medium, Random& random) {
+                                const AnyMedium& medium, Random& random) {
   float ratio = 1.0f;
   float control = 0.0f;  // optical depth of the minorants not yet accounted for
   float pending = random.exponential();

@@ -38,6 +38,9 @@ inline constexpr Features kVariants[] = {
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
         .with(Feature::kGuides),
+    // Labels come last, so that scenes without them use kernels without them.
+    kAllFeatures.without(Feature::kGuides).without(Feature::kLabels),
+    kAllFeatures.without(Feature::kLabels),
     kAllFeatures.without(Feature::kGuides),
     kAllFeatures,
 };

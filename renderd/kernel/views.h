@@ -234,6 +234,19 @@ struct ClipView {
   std::uint32_t light_count;  ///< number that cut light: all or none
 };
 
+/// How the matter of a label is shown.
+struct alignas(16) LabelLook {
+  Float3 colour;  ///< albedo; x < 0: that of the matter
+  float opacity;  ///< factor of the extinction, in [0, 1]
+};
+inline constexpr LabelLook kUnchangedLook{{-1.0f, -1.0f, -1.0f}, 1.0f};
+
+/// Labels of the voxels (Feature::kLabels).
+struct LabelsView {
+  const std::uint8_t* voxels;  ///< x fastest; null: there are no labels
+  const LabelLook* looks;      ///< by label; entry 0 is for voxels of no label
+};
+
 struct SlicesView {
   Float3 position;       ///< position along each voxel axis, voxel indices; < 0: no slice
   bool coloured;         ///< coloured by the transfer function; false: grey by the window
@@ -269,6 +282,7 @@ struct SceneView {
   CameraView camera;
   ClipView clip;
   SlicesView slices;
+  LabelsView labels;
   float phase_g;
   /// In mm: a place where the extinction has the gradient G (per mm^2) is a surface with
   /// probability 1 - exp(-|G| surfaces). 0: never; infinity: wherever there is a gradient.

@@ -170,6 +170,30 @@ const Fault kFaultsOfTheView[] = {
        s.mutable_slices()->set_colouring(static_cast<diaphane::v1::Slices::Colouring>(9));
      }},
     {"bounces", [](Scene& s) { s.set_bounces(1025); }},
+    {"labels[1].number",
+     [](Scene& s) {
+       s.add_labels()->set_number(7);
+       s.add_labels()->set_number(7);
+     }},
+    {"labels[0].opacity",
+     [](Scene& s) {
+       s.add_labels()->set_number(7);
+       s.mutable_labels(0)->set_opacity(1.01);
+     }},
+    {"labels[0].opacity",
+     [](Scene& s) {
+       s.add_labels()->set_number(7);
+       s.mutable_labels(0)->set_opacity(kNan);
+     }},
+    {"labels[0].colour.b",
+     [](Scene& s) {
+       s.add_labels()->set_number(7);
+       s.mutable_labels(0)->mutable_colour()->set_b(2);
+     }},
+    {"labels",
+     [](Scene& s) {
+       for (std::uint32_t i = 1; i <= 257; ++i) s.add_labels()->set_number(i);
+     }},
     {"shading.mode",
      [](Scene& s) { s.mutable_shading()->set_mode(static_cast<diaphane::v1::Shading::Mode>(7)); }},
     {"shading.gradientScale", [](Scene& s) { s.mutable_shading()->set_gradient_scale(-1); }},

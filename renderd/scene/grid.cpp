@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 
 namespace diaphane::render {
 namespace {
@@ -112,6 +113,13 @@ Result<void> check_volume(const volume::Volume& volume) {
   if (!is_rotation(h.direction)) {
     return fail(ErrorCode::kInvalid, "the direction must be a rotation", "direction");
   }
+  const volume::LabelSet& set = volume.label_set;
+  const auto beyond = [&](std::uint8_t label) { return label > set.table.size(); };
+  if (!set.empty() &&
+      (set.labels.voxels.size() != volume.voxels.size() || set.table.size() > volume::kMostLabels ||
+       std::any_of(set.labels.voxels.begin(), set.labels.voxels.end(), beyond))) {
+    return fail(ErrorCode::kInvalid, "the labels do not match the volume", "labels");
+  }
   return {};
 }
 
@@ -143,6 +151,37 @@ ValueGrid make_value_grid(std::span<const std::int16_t> voxels, Int3 size) {
   grid.brick_ranges = brick_ranges_of(voxels, size, grid.bricks);
   grid.whole = kNothing;
   for (ValueRange range : grid.ranges) include(grid.whole, range);
+  return grid;
+}
+
+LabelGrid make_label_grid(const volume::LabelSet& set, Int3 size) {
+  LabelGrid grid;
+  if (set.empty()) return grid;
+  for (const volume::LabelEntry& entry : set.table) grid.numbers.push_back(entry.number);
+  const auto cells_along = [](std::int32_t n) { return (n + kCellSize - 1) >> kCellShift; };
+  const auto first = [](std::int32_t cell) { return std::max(cell * kCellSize - 1, 0); };
+  const auto end = [](std::int32_t cell, std::int32_t n) {
+    return std::min((cell + 1) * kCellSize + 1, n);
+  };
+  std::unordered_map<std::bitset<256>, std::uint32_t> known;
+  for (std::int32_t cz = 0; cz < cells_along(size.z); ++cz) {
+    for (std::int32_t cy = 0; cy < cells_along(size.y); ++cy) {
+      for (std::int32_t cx = 0; cx < cells_along(size.x); ++cx) {
+        std::bitset<256> found;
+        for (std::int32_t z = first(cz); z < end(cz, size.z); ++z) {
+          for (std::int32_t y = first(cy); y < end(cy, size.y); ++y) {
+            const std::uint8_t* row =
+                set.labels.voxels.data() + size.x * (y + std::int64_t{size.y} * z);
+            for (std::int32_t x = first(cx); x < end(cx, size.x); ++x) found.set(row[x]);
+          }
+        }
+        const auto [at, is_new] =
+            known.emplace(found, static_cast<std::uint32_t>(grid.sets.size()));
+        if (is_new) grid.sets.push_back(found);
+        grid.set_of_cell.push_back(at->second);
+      }
+    }
+  }
   return grid;
 }
 

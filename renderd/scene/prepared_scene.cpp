@@ -53,13 +53,22 @@ Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, F
       .with(Feature::kGloss, s.surfaces > 0 && !s.transfer->gloss.empty())
       .with(Feature::kEmission, !s.transfer->emission.empty())
       .with(Feature::kBounces, s.bounces > 1)
-      .with(Feature::kSteepExtinction, s.transfer->steep)
+      .with(Feature::kSteepExtinction, s.labels ? s.labels->steep : s.transfer->steep)
+      .with(Feature::kLabels, s.labels != nullptr)
       .with(Feature::kClipLight, s.clip.light_count > 0);
 }
 
 }  // namespace
 
 namespace {
+
+/// Sets what a camera ray that leaves the volume shows.
+void prepare_background(const diaphane::v1::Display& display, PreparedScene& out) {
+  out.escape = display.show_environment() ? out.environment : colour_of(display.background());
+  if (!display.show_environment() && display.has_background_edge()) {
+    out.escape_edge = colour_of(display.background_edge()) - out.escape;
+  }
+}
 
 /// Returns the share of the sky in the light that reaches the middle of the volume if nothing is in
 /// the way, in [0, 1].
@@ -129,7 +138,8 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
 }
 
 bool use_exact_walk(const PreparedScene& scene, Method method) {
-  return method.walk != Walk::kTracking && !scene.transfer->exact.pieces.empty();
+  return method.walk != Walk::kTracking && !scene.transfer->exact.pieces.empty() &&
+         !scene.features.has(Feature::kLabels);
 }
 
 Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
@@ -169,11 +179,7 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   out.phase_g = std::clamp(static_cast<float>(scene.phase().g()), -kMostForward, kMostForward);
   out.surfaces = surfaces_of(scene);
   out.bounces = std::max(scene.bounces(), 1u);
-  out.escape = scene.display().show_environment() ? out.environment
-                                                  : colour_of(scene.display().background());
-  if (!scene.display().show_environment() && scene.display().has_background_edge()) {
-    out.escape_edge = colour_of(scene.display().background_edge()) - out.escape;
-  }
+  prepare_background(scene.display(), out);
   out.exposure = scene.display().exposure();
   out.automatic_exposure = scene.display().automatic_exposure() && !any_slice(out.slices);
   out.curve = curve_of(scene.display());
@@ -185,6 +191,11 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
     out.transfer = std::make_shared<const PreparedTransfer>(
         prepare_transfer(scene.transfer_function(), grid, size, out.spacing));
   }
+  const bool keeps_labels = before_scene != nullptr && before != nullptr &&
+                            before->transfer == out.transfer &&
+                            have_same_labels(*before_scene, scene);
+  out.labels = keeps_labels ? before->labels
+                            : prepare_labels(scene, *out.transfer, grid.labels, size, out.spacing);
   out.features = features_of(scene, out, light_features);
   return out;
 }

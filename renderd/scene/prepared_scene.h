@@ -13,6 +13,7 @@
 #include "renderd/kernel/views.h"
 #include "renderd/math/random.h"
 #include "renderd/scene/grid.h"
+#include "renderd/scene/labels.h"
 #include "renderd/scene/light_textures.h"
 #include "renderd/scene/transfer.h"
 #include "volume/volume.h"
@@ -26,6 +27,8 @@ struct PreparedScene {
   /// The same pointer as in the previous scene if the transfer function is the same, so that an
   /// engine need not upload it again.
   std::shared_ptr<const PreparedTransfer> transfer;
+  /// Shared like `transfer`; null if labels change nothing.
+  std::shared_ptr<const PreparedLabels> labels;
   std::vector<AreaLight> lights;
   Float3 environment{};              ///< sum of the environment lights without a texture
   std::vector<EnvironmentMap> maps;  ///< environment lights with a texture
@@ -66,7 +69,13 @@ inline bool mixes(const PreparedScene& scene) {
 /// Returns how many collisions of a camera ray sample light by each strategy (ExactView::strata).
 std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene);
 
-/// Whether the scene is rendered by the exact walk instead of tracking.
+/// Returns the bounds of the extinction in each macrocell.
+inline const std::vector<CellBounds>& bounds_of(const PreparedScene& scene) {
+  return scene.labels ? scene.labels->bounds : scene.transfer->bounds;
+}
+
+/// Whether the scene is rendered by the exact walk instead of tracking. The walk cannot follow the
+/// extinction of labels, which jumps between the centres of voxels.
 bool use_exact_walk(const PreparedScene& scene, Method method);
 
 /// The pointers are an executor's copies of ExactTables.
@@ -123,24 +132,26 @@ inline LightsView view_of(const PreparedScene& scene, const LightArrays& lights)
 }
 
 /// Returns the view of a prepared scene over an executor's copies of its arrays. The caller sets
-/// the pointers of the tables of gloss and emission and of the exact walk in the view if it has
-/// them.
+/// the pointers of the tables of gloss and emission, of labels and of the exact walk in the view if
+/// it has them.
 template <typename Volume>
 SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
                           const Float4* colour, const CellBounds* bounds, const LightArrays& lights,
                           std::uint64_t seed, std::uint64_t first_sample = 0, Method method = {}) {
   const PreparedTransfer& t = *scene.transfer;
   const Float3 s = scene.spacing;
+  const Box occupied = scene.labels ? scene.labels->occupied : t.occupied;
   return SceneView<Volume>{.volume = volume,
                            .inverse_spacing = {1.0f / s.x, 1.0f / s.y, 1.0f / s.z},
                            .spacing = s,
                            .transfer = {extinction, colour, t.scale, t.offset, t.margin, t.count},
-                           .grid = {bounds, t.cells, scene.matter ? t.occupied : Box{}},
+                           .grid = {bounds, t.cells, scene.matter ? occupied : Box{}},
                            .exact = {},
                            .lights = view_of(scene, lights),
                            .camera = scene.camera,
                            .clip = scene.clip,
                            .slices = scene.slices,
+                           .labels = {},
                            .phase_g = scene.phase_g,
                            .surfaces = scene.surfaces,
                            .bounces = scene.bounces,

@@ -158,21 +158,22 @@ void bound_cells(const ValueGrid& grid, const TableExtrema& extrema, PreparedTra
   }
 }
 
-/// Whether the bounds of some macrocell are so far apart that a ray may need many steps in it.
-bool is_steep(const PreparedTransfer& t, Float3 spacing) {
+}  // namespace
+
+bool is_steep(const std::vector<CellBounds>& bounds, Float3 spacing) {
   const float diagonal = kCellSize * length(spacing);
-  return std::any_of(t.bounds.begin(), t.bounds.end(), [diagonal](CellBounds b) {
+  return std::any_of(bounds.begin(), bounds.end(), [diagonal](CellBounds b) {
     return (b.majorant - b.minorant) * diagonal > 3 * kDeepCell;
   });
 }
 
-Box occupied_box(const PreparedTransfer& t, Int3 size) {
-  Int3 low = t.cells, high{-1, -1, -1};
+Box occupied_box(const std::vector<CellBounds>& bounds, Int3 cells, Int3 size) {
+  Int3 low = cells, high{-1, -1, -1};
   std::size_t cell = 0;
-  for (std::int32_t z = 0; z < t.cells.z; ++z) {
-    for (std::int32_t y = 0; y < t.cells.y; ++y) {
-      for (std::int32_t x = 0; x < t.cells.x; ++x, ++cell) {
-        if (!(t.bounds[cell].majorant > 0)) continue;
+  for (std::int32_t z = 0; z < cells.z; ++z) {
+    for (std::int32_t y = 0; y < cells.y; ++y) {
+      for (std::int32_t x = 0; x < cells.x; ++x, ++cell) {
+        if (!(bounds[cell].majorant > 0)) continue;
         low = {std::min(low.x, x), std::min(low.y, y), std::min(low.z, z)};
         high = {std::max(high.x, x), std::max(high.y, y), std::max(high.z, z)};
       }
@@ -186,8 +187,6 @@ Box occupied_box(const PreparedTransfer& t, Int3 size) {
            static_cast<float>(low.z * kCellSize)},
           {edge(high.x, size.x), edge(high.y, size.y), edge(high.z, size.z)}};
 }
-
-}  // namespace
 
 Material material_at(const diaphane::v1::TransferFunction& function, double value) {
   Material m;
@@ -231,9 +230,9 @@ PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function
   if (grid.ranges.empty()) return out;
   const TableExtrema extrema(out.extinction);
   bound_cells(grid, extrema, out);
-  out.steep = is_steep(out, spacing);
+  out.steep = is_steep(out.bounds, spacing);
   extrema.append_maxima(out.extinction);
-  out.occupied = occupied_box(out, size);
+  out.occupied = occupied_box(out.bounds, out.cells, size);
   return out;
 }
 

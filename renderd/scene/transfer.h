@@ -27,6 +27,11 @@ struct PreparedTransfer {
   ExactTables exact;  ///< for the exact walk; without pieces if there would be too many
 };
 
+/// Whether the bounds of some macrocell are so far apart that a ray may need many steps in it.
+bool is_steep(const std::vector<CellBounds>& bounds, Float3 spacing);
+/// Returns GridView::occupied. `size` is in voxels.
+Box occupied_box(const std::vector<CellBounds>& bounds, Int3 cells, Int3 size);
+
 /// The exact value of the transfer function at one voxel value, by the overlap rule of thesis
 /// 3.1.1.
 struct Material {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "renderd/kernel/medium.h"
+#include "renderd/kernel/labels.h"
 #include "renderd/kernel/primary.h"
 #include "renderd/scene/camera.h"
 #include "renderd/scene/frame.h"
@@ -52,7 +52,9 @@ Walk walk(const View& scene, const Ray& ray, float most) {
   float& clear = walked.clear;
   for (float i = 0.5f; i < count && clear > kEnd; i += 1.0f) {
     const float at = span.begin + i * step;
-    clear *= std::exp(-extinction_at(scene.transfer, scene.volume.at(ray.at(at))) * step);
+    const Float3 place = ray.at(at);
+    clear *=
+        std::exp(-medium_of<kAllFeatures>(scene).extinction(scene.volume.at(place), place) * step);
     walked.steps.push_back({at, clear});
   }
   return walked;
@@ -79,8 +81,13 @@ void with_view(const CoarseVolume& coarse, const diaphane::v1::Scene& scene, Can
   const auto prepared = prepare_scene(dark, canvas, header, coarse.grid);
   if (!prepared) return;
   const PreparedTransfer& t = *prepared->transfer;
-  use(view_of(*prepared, LinearVolume{coarse.volume.voxels.data(), size_of(header)},
-              t.extinction.data(), t.colour.data(), t.bounds.data(), LightArrays(*prepared), 0));
+  View view = view_of(*prepared, LinearVolume{coarse.volume.voxels.data(), size_of(header)},
+                      t.extinction.data(), t.colour.data(), bounds_of(*prepared).data(),
+                      LightArrays(*prepared), 0);
+  if (prepared->labels) {
+    view.labels = {coarse.volume.label_set.labels.voxels.data(), prepared->labels->looks.data()};
+  }
+  use(view);
 }
 
 /// Whether less than half of a place in the volume's frame (mm) can be seen. `margin`: how far in
@@ -119,15 +126,21 @@ std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume) {
     }
   }
   coarse->volume.voxels.reserve(to.voxel_count());
+  const volume::Labels& labels = volume.label_set.labels;
+  volume::LabelSet& coarse_set = coarse->volume.label_set;
+  coarse_set = {volume.label_set.table, {to.size, {}}};
+  if (!coarse_set.empty()) coarse_set.labels.voxels.reserve(to.voxel_count());
   for (const std::size_t z : nearest[2]) {
     for (const std::size_t y : nearest[1]) {
       const std::size_t row = from.size[0] * (y + std::size_t{from.size[1]} * z);
       for (const std::size_t x : nearest[0]) {
         coarse->volume.voxels.push_back(volume.voxels[row + x]);
+        if (!coarse_set.empty()) coarse_set.labels.voxels.push_back(labels.voxels[row + x]);
       }
     }
   }
   coarse->grid = make_value_grid(coarse->volume.voxels, size_of(to));
+  coarse->grid.labels = make_label_grid(coarse_set, size_of(to));
   return coarse;
 }
 

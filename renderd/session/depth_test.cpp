@@ -61,6 +61,21 @@ TEST(Depth, IsAccurateForVolumesOfUnequalSides) {
   EXPECT_NEAR(visible->distance, kEye - 50 + 30, 1);
 }
 
+TEST(Depth, LooksThroughHiddenLabels) {
+  volume::Volume volume = test::make_volume(
+      {100, 100, 100}, {1, 1, 1}, [](double, double y, double) { return opaque_from_30(y); });
+  test::mark(volume, [](std::uint32_t, std::uint32_t y, std::uint32_t) { return y < 60 ? 1 : 0; });
+  const auto coarse = coarse_of(volume);
+  diaphane::v1::Scene scene = from_the_front();
+  EXPECT_NEAR(visible_point_at(*coarse, scene, kCanvas, 0.5, 0.5)->distance, kEye - 20, 1);
+  scene.add_labels()->set_number(10);
+  scene.mutable_labels(0)->set_opacity(0);
+  EXPECT_NEAR(visible_point_at(*coarse, scene, kCanvas, 0.5, 0.5)->distance, kEye + 10, 1);
+  scene.mutable_labels(0)->clear_opacity();
+  scene.mutable_labels(0)->set_solo(true);
+  EXPECT_NEAR(visible_point_at(*coarse, scene, kCanvas, 0.5, 0.5)->distance, kEye - 20, 1);
+}
+
 TEST(Depth, IsAccurateForDownsampledVolumes) {
   const auto volume = layers(250, opaque_from_30);
   EXPECT_LE(volume->volume.voxels.size(), 1'000'000U);

@@ -106,7 +106,7 @@ def _add_checks(command: _Commands) -> None:
     check.add_argument("--fix", action="store_true", help="let clang-format, Prettier and ESLint fix what they can")
     check.add_argument("--only", metavar="NAME", action="append", default=[], help="run only this check: files, prose, format, contracts, links, types, lint or tidy (repeatable)")
     fuzz = command("fuzz", "fuzz.run", "fuzz the upload, volume, request and stream parsers (libFuzzer with ASan and UBSan)")
-    fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, nifti, tar, report, volume, viewer, stream, fields, preset, recording, scene_xml or panorama (default: all)")
+    fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, nifti, labels, tar, report, volume, viewer, stream, fields, preset, recording, scene_xml or panorama (default: all)")
     fuzz.add_argument("--seconds", type=int, default=60, metavar="N", help="duration per target in seconds (default: 60)")
     fuzz.add_argument("--minimise", action="store_true", help="then minimise the corpus in tests/fuzz/corpus without losing coverage")
     races = command("races", "races.run", "run the multi-threaded tests under ThreadSanitizer")

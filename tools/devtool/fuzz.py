@@ -13,7 +13,7 @@ from pathlib import Path
 from . import build, install, paths
 from .console import CliError, say, step, warn
 
-TARGETS = ("precheck", "codestream", "nifti", "tar", "report", "volume", "viewer", "stream", "fields", "preset", "recording", "scene_xml", "panorama")
+TARGETS = ("precheck", "codestream", "nifti", "labels", "tar", "report", "volume", "viewer", "stream", "fields", "preset", "recording", "scene_xml", "panorama")
 SOURCES = paths.REPO / "tests" / "fuzz"
 #: A run that is longer or uses more memory is a finding.
 SECONDS_A_RUN, MEGABYTES = 5, 1024

@@ -133,7 +133,26 @@ class BruteForce {
       }
       value += weight * volume_.voxels[index[0] + h.size[0] * (index[1] + h.size[1] * index[2])];
     }
-    return majorant_ * std::clamp((value - low_) / (high_ - low_), 0.0, 1.0);
+    return shown(q) * majorant_ * std::clamp((value - low_) / (high_ - low_), 0.0, 1.0);
+  }
+
+  /// Returns the opacity of the label of the voxel whose centre is nearest to `q`, in indices of
+  /// centres.
+  double shown(const double* q) const {
+    const auto& set = volume_.label_set;
+    if (set.empty()) return 1;
+    std::size_t index[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double last = volume_.header.size[static_cast<std::size_t>(axis)] - 1.0;
+      index[axis] = static_cast<std::size_t>(std::clamp(std::floor(q[axis] + 0.5), 0.0, last));
+    }
+    const auto& h = volume_.header;
+    const std::uint8_t label =
+        set.labels.voxels[index[0] + h.size[0] * (index[1] + h.size[1] * index[2])];
+    for (const auto& look : scene_.labels()) {
+      if (label > 0 && look.number() == set.table[label - 1].number) return look.opacity();
+    }
+    return 1;
   }
 
   const volume::Volume& volume_;
@@ -197,6 +216,24 @@ TEST(BruteForce, AgreesOnEveryTileOfThinAndThickMedia) {
     diaphane::v1::Scene scene = test::skull_scene();
     scene.mutable_transfer_function()->set_extinction_per_mm(extinction);
     expect_agreement(test::skull_volume(), scene, {32, 32}, 48);
+  }
+}
+
+TEST(BruteForce, AgreesOnEveryTileWithLabels) {
+  volume::Volume volume = test::skull_volume();
+  test::mark(volume, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return x < 20 ? 1 : (x + y + z) % 7 < 3 ? 2 : z > 18 ? 3 : 0;
+  });
+  for (const double extinction : {0.8, 10.0}) {
+    diaphane::v1::Scene scene = test::skull_scene();
+    scene.mutable_transfer_function()->set_extinction_per_mm(extinction);
+    const double opacities[] = {0.05, 0.5, 0};
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      auto* look = scene.add_labels();
+      look->set_number(10 * (i + 1));
+      look->set_opacity(opacities[i]);
+    }
+    expect_agreement(volume, scene, {32, 32}, 48);
   }
 }
 

@@ -49,18 +49,24 @@ class CpuVolume final : public DeviceVolume {
   explicit CpuVolume(const volume::Volume& volume)
       : header_(volume.header),
         voxels_(volume.voxels),
-        grid_(make_value_grid(voxels_, size_of(header_))) {}
+        labels_(volume.label_set.labels.voxels),
+        grid_(make_value_grid(voxels_, size_of(header_))) {
+    grid_.labels = make_label_grid(volume.label_set, size_of(header_));
+  }
 
   const volume::Header& header() const override { return header_; }
   std::uint64_t device_bytes() const override {
-    return voxels_.size() * sizeof(voxels_[0]) + grid_.ranges.size() * sizeof(ValueRange);
+    return voxels_.size() * sizeof(voxels_[0]) + grid_.ranges.size() * sizeof(ValueRange) +
+           labels_.size() + grid_.labels.set_of_cell.size() * sizeof(std::uint32_t);
   }
   const ValueGrid& grid() const { return grid_; }
+  const std::uint8_t* labels() const { return labels_.data(); }
   CpuVolumeView view() const { return {voxels_.data(), size_of(header_)}; }
 
  private:
   volume::Header header_;
   std::vector<std::int16_t> voxels_;
+  std::vector<std::uint8_t> labels_;
   ValueGrid grid_;
 };
 
@@ -258,7 +264,7 @@ class CpuFrameRenderer final : public FrameRenderer {
     const Features compiled = kVariants[variant_for(s.features)];
     list_features(compiled, report);
     report.origin = compiled == kAllFeatures ? KernelOrigin::kGeneral : KernelOrigin::kAheadOfTime;
-    const std::vector<CellBounds>& bounds = s.transfer->bounds;
+    const std::vector<CellBounds>& bounds = bounds_of(s);
     const auto empty =
         std::count_if(bounds.begin(), bounds.end(), [](CellBounds b) { return !(b.majorant > 0); });
     report.empty_cells = static_cast<double>(empty) / static_cast<double>(bounds.size());
@@ -326,11 +332,12 @@ class CpuFrameRenderer final : public FrameRenderer {
     const PreparedScene& s = picture_->prepared;
     const PreparedTransfer& t = *s.transfer;
     CpuScene view =
-        view_of(s, volume_->view(), t.extinction.data(), t.colour.data(), t.bounds.data(),
+        view_of(s, volume_->view(), t.extinction.data(), t.colour.data(), bounds_of(s).data(),
                 LightArrays(s), seed_, first_sample_ + share_.sequence * kSequenceSamples, method_);
     view.numbers = {share_.part, share_.parts};
     if (s.features.has(Feature::kGloss)) view.transfer.gloss = t.gloss.data();
     if (s.features.has(Feature::kEmission)) view.transfer.emission = t.emission.data();
+    if (s.labels) view.labels = {volume_->labels(), s.labels->looks.data()};
     const ExactTables& e = t.exact;
     view.exact = exact_view_of(s, volume_->grid(), volume_->view().size, e.pieces.data(),
                                e.piece_of.data(), e.skips.data());

@@ -28,11 +28,16 @@ const std::uint32_t kPictures = test::gate_or_nightly(48u, 192u);
 constexpr double kAlpha = 1e-4;
 
 volume::Volume oblique_volume() {
-  return test::tilt(
-      test::make_volume({20, 16, 11}, {1, 1.4, 2.3}, [](double x, double y, double z) {
+  volume::Volume volume =
+      test::tilt(test::make_volume({20, 16, 11}, {1, 1.4, 2.3}, [](double x, double y, double z) {
         const double wave = std::sin(0.6 * x + 0.2 * z) * std::sin(0.5 * y) * std::cos(0.4 * z);
         return 500 + 500 * wave;
       }));
+  // Blocks that end at and beside the faces of macrocells.
+  test::mark(volume, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return x < 8 && z > 2 ? 1 : y < 7 ? 2 : x > 14 && y > 9 ? 3 : 0;
+  });
+  return volume;
 }
 
 diaphane::v1::Scene full_scene(double g) {
@@ -153,6 +158,37 @@ diaphane::v1::Scene deep_scene() {
   scene.mutable_shading()->set_gradient_scale(0.15);
   scene.set_bounces(5);
   return scene;
+}
+
+/// Adds looks of three labels: thinner matter of another colour, another colour, and no matter.
+void add_looks(diaphane::v1::Scene& scene) {
+  for (const std::uint32_t number : {10, 20, 30}) scene.add_labels()->set_number(number);
+  scene.mutable_labels(0)->set_opacity(0.4);
+  test::set(scene.mutable_labels(0)->mutable_colour(), 0.25, 0.75, 0.5);
+  test::set(scene.mutable_labels(1)->mutable_colour(), 0.875, 0.25, 0.125);
+  scene.mutable_labels(2)->set_opacity(0);
+}
+
+TEST(FullScene, LabelsMatchAnIndependentEstimator) {
+  diaphane::v1::Scene scene = full_scene(0.5);
+  add_looks(scene);
+  EXPECT_EQ(rejections(rendered(scene), reference(scene)), std::vector<std::string>{});
+  EXPECT_NE(rejections(rendered(scene), reference_of(0.5)), std::vector<std::string>{})
+      << "they change the picture";
+}
+
+TEST(FullScene, DeepPathsThroughLabelsMatchAnIndependentEstimator) {
+  diaphane::v1::Scene scene = deep_scene();
+  add_looks(scene);
+  scene.add_labels()->set_opacity(0.7);  // of the voxels of no label
+  EXPECT_EQ(rejections(rendered(scene), reference(scene)), std::vector<std::string>{});
+}
+
+TEST(FullScene, ALabelAloneMatchesAnIndependentEstimator) {
+  diaphane::v1::Scene scene = deep_scene();
+  add_looks(scene);
+  scene.mutable_labels(1)->set_solo(true);
+  EXPECT_EQ(rejections(rendered(scene), reference(scene)), std::vector<std::string>{});
 }
 
 const Tiles& deep_reference() {

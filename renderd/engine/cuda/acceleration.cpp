@@ -25,21 +25,31 @@ Result<Acceleration> Acceleration::reserve(const Acceleration& current, const Cu
   DIAPHANE_TRY(ensure(made.minima_, nodes));
   DIAPHANE_TRY(ensure(made.bounds_, cell_count(made.cells_)));
   DIAPHANE_TRY(ensure(made.summary_, 1));
+  if (const LabelGrid& labels = volume.grid().labels; !labels.empty()) {
+    DIAPHANE_TRY(ensure(made.looks_, PreparedLabels{}.looks.size()));
+    DIAPHANE_TRY(ensure(made.label_ranges_, labels.sets.size()));
+  }
   return made;
 }
 
 Result<void> Acceleration::rebuild_acceleration(const CudaVolume& volume,
                                                 const PreparedTransfer& transfer,
-                                                cudaStream_t stream) {
+                                                const PreparedLabels* labels, cudaStream_t stream) {
   const TableRows table{maxima_.data(), minima_.data(), transfer.count};
   const ValueMapping mapping{volume.grid().whole.minimum, static_cast<double>(transfer.scale),
                              static_cast<double>(transfer.margin)};
   DIAPHANE_TRY(upload(maxima_, transfer.extinction.data(), static_cast<std::size_t>(transfer.count),
                       stream));
   DIAPHANE_TRY(upload(summary_, &kNothingFound, 1, stream));
+  CellLabels cell_labels;
+  if (labels != nullptr) {
+    DIAPHANE_TRY(upload(looks_, labels->looks.data(), labels->looks.size(), stream));
+    DIAPHANE_TRY(upload(label_ranges_, labels->ranges.data(), labels->ranges.size(), stream));
+    cell_labels = {volume.label_sets(), label_ranges_.data()};
+  }
   DIAPHANE_CUDA_TRY(fill_rows(table, stream));
-  DIAPHANE_CUDA_TRY(bound_cells(volume.ranges(), cells_, table, mapping, bounds_.data(),
-                                summary_.data(), stream));
+  DIAPHANE_CUDA_TRY(bound_cells(volume.ranges(), cells_, table, mapping, cell_labels,
+                                bounds_.data(), summary_.data(), stream));
   return download(&found_, summary_, 1, stream);
 }
 
@@ -77,7 +87,8 @@ double Acceleration::empty_cells() const {
 
 std::uint64_t Acceleration::device_bytes() const {
   return maxima_.bytes() + minima_.bytes() + bounds_.bytes() + summary_.bytes() + pieces_.bytes() +
-         piece_of_.bytes() + clear_until_.bytes() + skips_.bytes();
+         piece_of_.bytes() + clear_until_.bytes() + skips_.bytes() + looks_.bytes() +
+         label_ranges_.bytes();
 }
 
 }  // namespace diaphane::render::cuda

@@ -5,6 +5,7 @@
 #include "renderd/engine/cuda/acceleration_kernels.h"
 #include "renderd/engine/cuda/memory.h"
 #include "renderd/engine/cuda/volume.h"
+#include "renderd/scene/labels.h"
 #include "renderd/scene/transfer.h"
 
 namespace diaphane::render::cuda {
@@ -24,10 +25,12 @@ class Acceleration {
                                       const PreparedTransfer& transfer);
   bool made() const { return bounds_.data() != nullptr; }
 
-  /// Uploads the extinction and recomputes everything else, in the order of the stream. Waits for
-  /// the result, because it decides which kernel is used.
+  /// Uploads the extinction and recomputes everything else, in the order of the stream. `labels` is
+  /// null if the scene has none. Waits for the result, because it decides which kernel is used.
   Result<void> rebuild_acceleration(const CudaVolume& volume, const PreparedTransfer& transfer,
-                                    cudaStream_t stream);
+                                    const PreparedLabels* labels, cudaStream_t stream);
+  /// LabelsView::looks, valid if the last rebuild had labels.
+  const LabelLook* looks() const { return looks_.data(); }
 
   /// Does the same for the exact walk. Call it after rebuild_acceleration() and only if the scene
   /// uses the walk.
@@ -55,6 +58,9 @@ class Acceleration {
   DeviceBuffer<float> maxima_, minima_;  ///< TableRows
   DeviceBuffer<CellBounds> bounds_;
   DeviceBuffer<CellSummary> summary_;
+  // Empty if the volume has no labels.
+  DeviceBuffer<LabelLook> looks_;
+  DeviceBuffer<LabelRange> label_ranges_;
   // For the exact walk; empty if it was never used.
   DeviceBuffer<ExtinctionPiece> pieces_;
   DeviceBuffer<std::uint16_t> piece_of_;

@@ -93,8 +93,8 @@ __device__ CellBounds bounds_over(const TableRows& table, double low, double hig
 }
 
 __global__ void bounds_kernel(const ValueRange* ranges, Int3 cells, std::int32_t count,
-                              TableRows table, ValueMapping mapping, CellBounds* bounds,
-                              CellSummary* summary) {
+                              TableRows table, ValueMapping mapping, CellLabels labels,
+                              CellBounds* bounds, CellSummary* summary) {
   const std::int32_t cell = static_cast<std::int32_t>(thread_index());
   CellBounds b{0.0f, 0.0f};
   Int3 low{1 << 30, 1 << 30, 1 << 30}, high{-1, -1, -1};
@@ -107,6 +107,10 @@ __global__ void bounds_kernel(const ValueRange* ranges, Int3 cells, std::int32_t
         __dadd_rn(__dmul_rn(range.minimum - mapping.minimum, mapping.scale), -mapping.margin),
         __dadd_rn(__dmul_rn(range.maximum - mapping.minimum, mapping.scale), mapping.margin));
     b = {b.minorant * kDown, b.majorant * kUp};
+    if (labels.ranges != nullptr) {
+      const LabelRange shown = labels.ranges[labels.set_of_cell[cell]];
+      b = {b.minorant * shown.least, b.majorant * shown.most};
+    }
     bounds[cell] = b;
     if (b.majorant > 0.0f) low = high = coordinates(cell, cells);
   }
@@ -145,11 +149,11 @@ cudaError_t fill_rows(const TableRows& table, cudaStream_t stream) {
 }
 
 cudaError_t bound_cells(const ValueRange* ranges, Int3 cells, const TableRows& table,
-                        const ValueMapping& mapping, CellBounds* bounds, CellSummary* summary,
-                        cudaStream_t stream) {
+                        const ValueMapping& mapping, const CellLabels& labels, CellBounds* bounds,
+                        CellSummary* summary, cudaStream_t stream) {
   const std::int32_t count = count_of(cells);
   bounds_kernel<<<blocks_for(static_cast<std::uint32_t>(count)), kBlock, 0, stream>>>(
-      ranges, cells, count, table, mapping, bounds, summary);
+      ranges, cells, count, table, mapping, labels, bounds, summary);
   return cudaGetLastError();
 }
 

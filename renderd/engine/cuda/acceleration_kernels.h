@@ -4,6 +4,7 @@
 
 #include "renderd/engine/cuda/trace_types.h"
 #include "renderd/scene/grid.h"
+#include "renderd/scene/labels.h"
 
 // Kernels that derive data from voxels and transfer function. Each function queues its kernels on a
 // stream and returns the status of the launch.
@@ -43,10 +44,15 @@ struct ValueMapping {
   std::int32_t minimum;  ///< the value of node 0
   double scale, margin;
 };
+/// The opacities of labels in the cells. Null pointers: the scene has no labels.
+struct CellLabels {
+  const std::uint32_t* set_of_cell = nullptr;  ///< LabelGrid::set_of_cell
+  const LabelRange* ranges = nullptr;          ///< PreparedLabels::ranges
+};
 /// Computes the bounds of the extinction in each cell. They equal those of bound_cells in
-/// scene/transfer.cpp to the last bit.
+/// scene/transfer.cpp, or of prepare_labels in scene/labels.cpp, to the last bit.
 cudaError_t bound_cells(const ValueRange* ranges, Int3 cells, const TableRows& table,
-                        const ValueMapping& mapping, CellBounds* bounds, CellSummary* summary,
-                        cudaStream_t stream);
+                        const ValueMapping& mapping, const CellLabels& labels, CellBounds* bounds,
+                        CellSummary* summary, cudaStream_t stream);
 
 }  // namespace diaphane::render::cuda

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/support/renderd/test_device.h"
+#include "tests/support/renderd/test_scenes.h"
 
 namespace diaphane::render::cuda {
 namespace {
@@ -37,7 +38,8 @@ class AccelerationTest : public CudaTest {
     const auto volume = CudaVolume::load(v);
     ASSERT_TRUE(volume) << volume.error().message;
     const Int3 size = size_of(v.header);
-    const ValueGrid grid = make_value_grid(v.voxels, size);
+    ValueGrid grid = make_value_grid(v.voxels, size);
+    grid.labels = make_label_grid(v.label_set, size);
     ASSERT_EQ((*volume)->grid().cells.x, grid.cells.x);
     EXPECT_EQ((*volume)->grid().whole.minimum, grid.whole.minimum);
     EXPECT_EQ((*volume)->grid().whole.maximum, grid.whole.maximum);
@@ -51,15 +53,23 @@ class AccelerationTest : public CudaTest {
     }
 
     const Float3 spacing{0.7f, 1.1f, 3.0f};
-    const auto host = prepare_transfer(scene.transfer_function(), grid, size, spacing);
+    auto host = prepare_transfer(scene.transfer_function(), grid, size, spacing);
+    const auto host_labels = prepare_labels(scene, host, grid.labels, size, spacing);
     const auto tables =
         prepare_transfer(scene.transfer_function(), (*volume)->grid(), size, spacing);
     ASSERT_EQ(tables.count, host.count);
+    const auto labels = prepare_labels(scene, tables, (*volume)->grid().labels, size, spacing);
+    ASSERT_EQ(labels == nullptr, host_labels == nullptr);
+    if (host_labels) {
+      host.bounds = host_labels->bounds;
+      host.steep = host_labels->steep;
+      host.occupied = host_labels->occupied;
+    }
     auto made = Acceleration::reserve(Acceleration{}, **volume, tables);
     ASSERT_TRUE(made) << made.error().message;
     // The second run shows that the remains of an earlier function have no effect.
     for (int i = 0; i < 2; ++i) {
-      ASSERT_TRUE(made->rebuild_acceleration(**volume, tables, stream_.get()));
+      ASSERT_TRUE(made->rebuild_acceleration(**volume, tables, labels.get(), stream_.get()));
     }
     std::vector<float> extinction(host.extinction.size());
     std::vector<CellBounds> bounds(host.bounds.size());
@@ -119,6 +129,20 @@ TEST_F(AccelerationTest, MatchesTheHostForEmptySteepAndSpikedFunctions) {
   curve({{-32768, 1}, {32767, 1}});
   expect_the_hosts(volume, scene);
   curve({{-900, 0}, {500, 1}, {600, 0.2}, {2900, 0.9}});
+  expect_the_hosts(volume, scene);
+}
+
+TEST_F(AccelerationTest, MatchesTheHostForLabels) {
+  auto volume = noise(65, 33, 17, -1000, 3000, 7);
+  test::mark(volume, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return x < 20 ? 1 : y > 15 ? 2 : z > 8 ? 3 : 0;
+  });
+  auto scene = full_scene();
+  for (const std::uint32_t number : {10, 20}) scene.add_labels()->set_number(number);
+  scene.mutable_labels(0)->set_opacity(0.3);
+  scene.mutable_labels(1)->set_opacity(0);
+  expect_the_hosts(volume, scene);
+  scene.mutable_labels(1)->set_solo(true);
   expect_the_hosts(volume, scene);
 }
 

@@ -10,6 +10,7 @@
 
 #include "renderd/engine/cpu/engine.h"
 #include "tests/support/renderd/test_device.h"
+#include "tests/support/renderd/test_scenes.h"
 #include "tests/support/renderd/test_textures.h"
 
 namespace diaphane::render::cuda {
@@ -113,6 +114,19 @@ TEST_F(CudaAgainstCpuTest, EveryVariantHasTheSameMean) {
       }
     }
   }
+}
+
+TEST_F(CudaAgainstCpuTest, LabelsHaveTheSameMean) {
+  auto volume = lumpy_volume(40, 30, 25);
+  test::mark(volume, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return x < 20 ? 1 : y > 15 ? 2 : z > 12 ? 3 : 0;
+  });
+  auto scene = full_scene();
+  for (const std::uint32_t number : {10, 20, 30}) scene.add_labels()->set_number(number);
+  scene.mutable_labels(0)->set_opacity(0.3);
+  test::set(scene.mutable_labels(1)->mutable_colour(), 0.9, 0.2, 0.1);
+  scene.mutable_labels(2)->set_opacity(0);
+  expect_same(volume, scene, kFew);
 }
 
 TEST_F(CudaAgainstCpuTest, LightsOfEveryShapeHaveTheSameMean) {

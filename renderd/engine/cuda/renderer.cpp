@@ -87,7 +87,10 @@ Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
   }
   if (other) {
     DIAPHANE_TRY(upload(tables_.colour, transfer.colour.data(), transfer.colour.size(), stream));
-    DIAPHANE_TRY(tables_.acceleration.rebuild_acceleration(*volume_, transfer, stream));
+  }
+  if (other || prepared.labels != prepared_.labels) {
+    DIAPHANE_TRY(tables_.acceleration.rebuild_acceleration(*volume_, transfer,
+                                                           prepared.labels.get(), stream));
   }
   return upload_lights(prepared);
 }
@@ -278,6 +281,7 @@ SceneView<TextureVolume> CudaRenderer::view() const {
   if (prepared_.matter) view.grid.occupied = tables_.acceleration.occupied();
   view.transfer.gloss = tables_.gloss.data();
   view.transfer.emission = tables_.emission.data();
+  if (prepared_.labels) view.labels = {volume_->labels(), tables_.acceleration.looks()};
   if (exact_) {
     view.exact = exact_view_of(prepared_, volume_->grid(), volume_->view().size,
                                tables_.acceleration.pieces(), tables_.acceleration.piece_of(),

@@ -1,6 +1,7 @@
 #include "renderd/engine/cuda/volume.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "common/try.h"
@@ -16,6 +17,7 @@ Result<std::shared_ptr<const CudaVolume>> CudaVolume::load(const volume::Volume&
   DIAPHANE_TRY(stream);
   DIAPHANE_TRY(loaded->upload(volume.voxels.data(), stream->get()));
   DIAPHANE_TRY(loaded->find_ranges(stream->get()));
+  DIAPHANE_TRY(loaded->upload_labels(volume.label_set, stream->get()));
   return loaded;
 }
 
@@ -70,6 +72,20 @@ Result<void> CudaVolume::find_ranges(cudaStream_t stream) {
   DIAPHANE_TRY(download(low_high, *whole, 2, stream));
   grid_.whole = {static_cast<std::int16_t>(low_high[0]), static_cast<std::int16_t>(low_high[1])};
   grid_.bricks = bricks_of(view().size);
+  return {};
+}
+
+Result<void> CudaVolume::upload_labels(const volume::LabelSet& set, cudaStream_t stream) {
+  if (set.empty()) return {};
+  grid_.labels = make_label_grid(set, size_of(header_));
+  const std::vector<std::uint8_t>& voxels = set.labels.voxels;
+  DIAPHANE_TRY(ensure(labels_, voxels.size()));
+  DIAPHANE_TRY(cuda::upload(labels_, voxels.data(), voxels.size(), stream));
+  // Only the device needs them: the host bounds no cells.
+  const std::vector<std::uint32_t> sets = std::exchange(grid_.labels.set_of_cell, {});
+  DIAPHANE_TRY(ensure(label_sets_, sets.size()));
+  DIAPHANE_TRY(cuda::upload(label_sets_, sets.data(), sets.size(), stream));
+  DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
   return {};
 }
 

@@ -25,14 +25,17 @@ class CudaVolume : public DeviceVolume {
 
   const volume::Header& header() const override { return header_; }
   std::uint64_t device_bytes() const override {
-    return 2 * header_.voxel_count() + ranges_.bytes() + exact_->ranges.bytes() +
-           exact_->levels.bytes() + exact_->first_of.bytes() + exact_->missing.bytes() +
-           exact_->nodes.bytes();
+    return 2 * header_.voxel_count() + ranges_.bytes() + labels_.bytes() + label_sets_.bytes() +
+           exact_->ranges.bytes() + exact_->levels.bytes() + exact_->first_of.bytes() +
+           exact_->missing.bytes() + exact_->nodes.bytes();
   }
   /// The grid without its ranges, which are on the device.
   const ValueGrid& grid() const { return grid_; }
   const ValueRange* ranges() const { return ranges_.data(); }
   TextureVolume view() const;
+  /// LabelsView::voxels and LabelGrid::set_of_cell; null if there are no labels.
+  const std::uint8_t* labels() const { return labels_.data(); }
+  const std::uint32_t* label_sets() const { return label_sets_.data(); }
   /// Returns the CUDA index of the device that holds the volume.
   int device() const { return device_; }
 
@@ -65,11 +68,14 @@ class CudaVolume : public DeviceVolume {
   explicit CudaVolume(const volume::Header& header) : header_(header) {}
   Result<void> upload(const std::int16_t* voxels, cudaStream_t stream);
   Result<void> find_ranges(cudaStream_t stream);
+  Result<void> upload_labels(const volume::LabelSet& set, cudaStream_t stream);
 
   volume::Header header_;
   int device_ = 0;
   ValueGrid grid_;
   DeviceBuffer<ValueRange> ranges_;
+  DeviceBuffer<std::uint8_t> labels_;
+  DeviceBuffer<std::uint32_t> label_sets_;
   cudaArray_t array_ = nullptr;
   cudaTextureObject_t texture_ = 0;
   std::unique_ptr<Exact> exact_ = std::make_unique<Exact>();

@@ -124,8 +124,11 @@ class ReferenceEstimator {
   }
 
   Matter matter_at(Triple place, double value, Triple ray) {
+    const diaphane::v1::LabelLook look = look_at(place);
     Matter matter{ray,
-                  mean_of(value, [](const auto& c) { return triple(c.diffuse()); }),
+                  look.has_colour()
+                      ? triple(look.colour())
+                      : mean_of(value, [](const auto& c) { return triple(c.diffuse()); }),
                   mean_of(value, [](const auto& c) { return triple(c.emission()); }),
                   false,
                   {}};
@@ -144,8 +147,9 @@ class ReferenceEstimator {
         std::abs(opacity_of(value + least * steepness) - opacity_of(value - least * steepness)) /
         (2 * least);
     if (!(slope > 0)) return matter;
+    const double shown = slope * shown_of(look);
     matter.surface = mode == diaphane::v1::Shading::SURFACE ||
-                     uniform() < 1 - std::exp(-slope / scene_.shading().gradient_scale());
+                     uniform() < 1 - std::exp(-shown / scene_.shading().gradient_scale());
     matter.normal = gradient * ((inner(gradient, ray) > 0 ? -1 : 1) / steepness);
     return matter;
   }
@@ -193,7 +197,7 @@ class ReferenceEstimator {
       if (!(t < end)) return false;
       const Triple p = place + direction * t;
       value = value_at(p);
-      if (uniform() < opacity_of(value)) {
+      if (uniform() < opacity_of(value) * shown_of(look_at(p))) {
         place = p;
         return true;
       }
@@ -217,6 +221,33 @@ class ReferenceEstimator {
       value += weight * volume_.voxels[index[0] + h.size[0] * (index[1] + h.size[1] * index[2])];
     }
     return value;
+  }
+
+  /// Returns the look of the label of the voxel that contains a place.
+  diaphane::v1::LabelLook look_at(Triple p) const {
+    const auto& set = volume_.label_set;
+    diaphane::v1::LabelLook none;
+    if (set.empty()) return none;
+    const auto& h = volume_.header;
+    std::size_t index = 0;
+    for (std::size_t axis = 3; axis-- > 0;) {
+      const double q = std::floor((inner(p, axes_[axis]) + half_[axis]) / h.spacing[axis]);
+      index =
+          index * h.size[axis] + static_cast<std::size_t>(std::clamp(q, 0.0, h.size[axis] - 1.0));
+    }
+    const std::uint8_t label = set.labels.voxels[index];
+    const std::uint32_t number = label == 0 ? 0 : set.table[label - 1].number;
+    bool alone = false;
+    diaphane::v1::LabelLook found;
+    for (const auto& look : scene_.labels()) {
+      alone = alone || look.solo();
+      if (look.number() == number) found = look;
+    }
+    if (alone && !found.solo()) found.set_opacity(0);
+    return found;
+  }
+  static double shown_of(const diaphane::v1::LabelLook& look) {
+    return look.has_opacity() ? look.opacity() : 1;
   }
 
   static double opacity_of(const diaphane::v1::Channel& channel, double value) {

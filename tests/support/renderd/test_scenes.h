@@ -101,6 +101,27 @@ inline volume::Volume skull_volume() {
   });
 }
 
+/// Gives the voxels of a volume the labels `label(x, y, z)` of their indices. Label i has the
+/// number 10 i.
+inline void mark(volume::Volume& volume,
+                 const std::function<int(std::uint32_t, std::uint32_t, std::uint32_t)>& label) {
+  const auto& size = volume.header.size;
+  volume::LabelSet set;
+  set.labels.size = size;
+  std::uint32_t most = 0;
+  for (std::uint32_t z = 0; z < size[2]; ++z) {
+    for (std::uint32_t y = 0; y < size[1]; ++y) {
+      for (std::uint32_t x = 0; x < size[0]; ++x) {
+        const auto own = static_cast<std::uint8_t>(label(x, y, z));
+        most = std::max<std::uint32_t>(most, own);
+        set.labels.voxels.push_back(own);
+      }
+    }
+  }
+  for (std::uint32_t i = 1; i <= most; ++i) set.table.push_back({10 * i, {}, {}});
+  volume.label_set = std::move(set);
+}
+
 /// A scene with the material and lights of the cranium scene, for skull_volume().
 inline diaphane::v1::Scene skull_scene() {
   diaphane::v1::Scene scene;
@@ -118,7 +139,7 @@ class Prepared {
  public:
   Prepared(volume::Volume volume, const diaphane::v1::Scene& scene, Canvas canvas = {16, 16})
       : volume_(std::move(volume)),
-        grid_(make_value_grid(volume_.voxels, size_of(volume_.header))),
+        grid_(grid_of(volume_)),
         scene_(prepare_scene(scene, canvas, volume_.header, grid_).value()) {}
 
   const PreparedScene& scene() const { return scene_; }
@@ -126,17 +147,26 @@ class Prepared {
   const volume::Volume& volume() const { return volume_; }
   SceneView<LinearVolume> view(std::uint64_t seed = 1) const {
     const PreparedTransfer& t = *scene_.transfer;
-    SceneView<LinearVolume> view =
-        view_of(scene_, LinearVolume{volume_.voxels.data(), size_of(volume_.header)},
-                t.extinction.data(), t.colour.data(), t.bounds.data(), LightArrays(scene_), seed);
+    SceneView<LinearVolume> view = view_of(
+        scene_, LinearVolume{volume_.voxels.data(), size_of(volume_.header)}, t.extinction.data(),
+        t.colour.data(), bounds_of(scene_).data(), LightArrays(scene_), seed);
     if (!t.gloss.empty()) view.transfer.gloss = t.gloss.data();
     if (!t.emission.empty()) view.transfer.emission = t.emission.data();
+    if (scene_.labels) {
+      view.labels = {volume_.label_set.labels.voxels.data(), scene_.labels->looks.data()};
+    }
     view.exact = exact_view_of(scene_, grid_, size_of(volume_.header), t.exact.pieces.data(),
                                t.exact.piece_of.data(), t.exact.skips.data());
     return view;
   }
 
  private:
+  static ValueGrid grid_of(const volume::Volume& volume) {
+    ValueGrid grid = make_value_grid(volume.voxels, size_of(volume.header));
+    grid.labels = make_label_grid(volume.label_set, size_of(volume.header));
+    return grid;
+  }
+
   volume::Volume volume_;
   ValueGrid grid_;
   PreparedScene scene_;

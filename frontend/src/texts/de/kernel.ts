@@ -35,5 +35,6 @@ export const kernel: Texts["kernel"] = {
     "steep extinction": "starke Dichteunterschiede",
     "denoiser guides": "Hilfsbilder zum Entrauschen",
     curves: "Deckkraftkurven",
+    labels: "markierte Strukturen",
   },
 };

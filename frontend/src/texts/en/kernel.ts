@@ -34,5 +34,6 @@ export const kernel = {
     "steep extinction": "strong contrasts in density",
     "denoiser guides": "guide images for denoising",
     curves: "opacity curves",
+    labels: "marked structures",
   } as Readonly<Record<string, string>>,
 } as const;

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "volume/volume.h"
+
+namespace diaphane::ingest {
+
+/// Labels on the grid of the file that they come from.
+struct LabelImage {
+  std::array<std::uint32_t, 3> size{};
+  std::array<double, 9> axes{};  ///< steps from voxel to voxel in mm (LPS), as columns
+  std::optional<std::array<double, 3>> origin;  ///< centre of the first voxel, mm (LPS)
+  std::string frame_of_reference;               ///< empty: unknown
+  std::vector<volume::LabelEntry> table;
+  std::vector<std::uint8_t> voxels;  ///< as in LabelSet
+};
+
+/// Says why labels do not belong to a scan: kInvalid if both name their frame of reference and the
+/// two differ.
+Result<void> check_frame_of_reference(const std::string& labels, const volume::Header& scan);
+
+/// Returns the labels on the grid of the scan, by nearest neighbour. If the scan or the image does
+/// not say where it lies, both must have the same box. kInvalid: they belong to another scan
+/// (another frame of reference, another grid, or no overlap). kOutOfMemory.
+Result<volume::LabelSet> place_labels(LabelImage image, const volume::Header& scan);
+
+}  // namespace diaphane::ingest

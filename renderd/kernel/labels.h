@@ -1,0 +1,74 @@
+#pragma once
+
+#include "renderd/kernel/features.h"
+#include "renderd/kernel/medium.h"
+#include "renderd/kernel/views.h"
+
+namespace diaphane::render {
+
+/// Returns how the voxel with this index is shown. Indices are clamped to the volume. Without
+/// labels, which happens in a kernel with more features than the scene needs, everything is shown
+/// as it is.
+HOST_DEVICE LabelLook look_of_voxel(const LabelsView& labels, Int3 size, Int3 voxel) {
+  if (labels.voxels == nullptr) return kUnchangedLook;
+  const std::int64_t x = min(max(voxel.x, 0), size.x - 1);
+  const std::int64_t y = min(max(voxel.y, 0), size.y - 1);
+  const std::int64_t z = min(max(voxel.z, 0), size.z - 1);
+  return labels.looks[labels.voxels[x + size.x * (y + size.y * z)]];
+}
+
+/// Returns how the matter at a place (voxel indices) is shown: like the voxel that contains it,
+/// because labels cannot be interpolated.
+HOST_DEVICE LabelLook look_at(const LabelsView& labels, Int3 size, Float3 place) {
+  // Below 0, the conversion rounds up, to an index that is clamped anyway.
+  return look_of_voxel(labels, size,
+                       Int3{static_cast<std::int32_t>(place.x), static_cast<std::int32_t>(place.y),
+                            static_cast<std::int32_t>(place.z)});
+}
+
+/// The extinction at a place: the transfer function applied to interpolated voxels.
+template <typename Volume>
+struct Medium {
+  const Volume& volume;
+  const TransferView& transfer;
+
+  HOST_DEVICE float extinction(float value, Float3 /*place*/) const {
+    return extinction_at(transfer, value);
+  }
+  /// Returns an upper bound over a cell between voxel centres (VoxelWalk).
+  HOST_DEVICE float majorant(Int3 cell) const {
+    return largest_extinction(transfer, volume.corner_range(cell));
+  }
+};
+
+/// The same times the opacity of the label at the place.
+template <typename Volume>
+struct LabelledMedium {
+  const Volume& volume;
+  const TransferView& transfer;
+  const LabelsView& labels;
+
+  HOST_DEVICE float extinction(float value, Float3 place) const {
+    return look_at(labels, volume.size, place).opacity * extinction_at(transfer, value);
+  }
+  HOST_DEVICE float majorant(Int3 cell) const {
+    // The cell has a part of each of the eight voxels at its corners.
+    float most = 0.0f;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Int3 voxel{cell.x - (corner & 1), cell.y - (corner >> 1 & 1), cell.z - (corner >> 2)};
+      most = max(most, look_of_voxel(labels, volume.size, voxel).opacity);
+    }
+    return most > 0.0f ? most * largest_extinction(transfer, volume.corner_range(cell)) : 0.0f;
+  }
+};
+
+template <Features F, typename Volume>
+HOST_DEVICE auto medium_of(const SceneView<Volume>& scene) {
+  if constexpr (F.has(Feature::kLabels)) {
+    return LabelledMedium<Volume>{scene.volume, scene.transfer, scene.labels};
+  } else {
+    return Medium<Volume>{scene.volume, scene.transfer};
+  }
+}
+
+}  // namespace diaphane::render
