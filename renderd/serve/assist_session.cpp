@@ -112,8 +112,8 @@ Result<void> AssistHost::Session::open(const v1::AssistOpen& open) {
 void AssistHost::Session::volume_ready(const v1::AssistOpen& open,
                                        Result<VolumeCache::Handle> volume) {
   if (!volume) return end(volume.error());
-  auto renderer =
-      renderer_of_one_device(host_.engine_, *volume, open.seed(), open.first_sample(), kServerMethod);
+  auto renderer = renderer_of_one_device(host_.engine_, *volume, open.seed(), open.first_sample(),
+                                         kServerMethod);
   if (!renderer) return end(renderer.error());
   const std::lock_guard lock(mutex_);
   if (!link_) return;
