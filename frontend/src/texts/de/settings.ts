@@ -212,7 +212,7 @@ export const settings: Texts["settings"] = {
     shadings: { phase: "Volumen", surface: "Oberfläche", hybrid: "Automatisch" },
     gradient: "Gradientenskala",
     phase: "Streuung in Volumen",
-    phases: { isotropic: "In alle Richtungen (isotrop)", henyey: "Vorwärts oder rückwärts (Henyey-Greenstein)" },
+    phases: { isotropic: "In alle Richtungen (isotrop)", henyey: "Je nach Richtung (Henyey-Greenstein)" },
     forward: "Vorwärtsstreuung (g)",
     background: "Hintergrund",
     environment: "Umgebungslicht als Hintergrund zeigen",
