@@ -51,7 +51,8 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
             onMove={(x, y) => move(name, x, y)}
             onDock={() => dock(name)}
             onClose={() => close(name)}
-            onReset={mayChange && !isReset ? reset : null}
+            onReset={mayChange ? reset : null}
+            isReset={isReset}
             disabledReason={leads ? t.settings.notForGuests : t.settings.notYours}
           >
             <View session={session} leads={mayChange} picture={picture} />
