@@ -27,6 +27,7 @@ const range = (low: string, high: string, unit: string): string =>
   (unit === "°" ? `${low}° und ${high}°` : `${low} und ${high}${unit ? ` ${unit}` : ""}`).replaceAll("-", "−");
 
 export const settings: Texts["settings"] = {
+  nameOf,
   menu: "Bildeinstellungen",
   undo: "Rückgängig",
   redo: "Wiederholen",

@@ -27,6 +27,7 @@ const range = (low: string, high: string, unit: string): string =>
 
 /** The settings windows of the viewer. */
 export const settings = {
+  nameOf,
   menu: "Picture settings",
   undo: "Undo",
   redo: "Redo",
