@@ -57,11 +57,8 @@ export class SceneEditor {
     this.steps.value = nothingYet;
   }
 
-  /**
-   * `untouched` means that nobody has edited the scene of this session yet. Returns whether it was edited here, to fit
-   * into a narrow window.
-   */
-  configured(config: Config, untouched: boolean): boolean {
+  /** `untouched` means that nobody has edited the scene of this session yet. */
+  configured(config: Config, untouched: boolean): void {
     this.presets.value = config.presets;
     const before = this.scene.value;
     if (!before || !config.scene || !sameScene(before, config.scene)) this.forgetSteps(); // the scene was changed elsewhere
@@ -69,9 +66,7 @@ export class SceneEditor {
     if (untouched) this.begun.value = config.scene ?? null;
     const { width, height } = this.parts.canvasSize();
     const home = untouched && width < height ? this.home() : null;
-    if (!home || !config.scene) return false;
-    this.setScene(withCamera(config.scene, home), null, true);
-    return true;
+    if (home && config.scene) this.setScene(withCamera(config.scene, home), null, true);
   }
 
   /** `held` means that the pointer is still down. */
