@@ -75,9 +75,13 @@ Result<void> AnnotationRepository::change(const AnnotationSet& set, const Annota
         UPDATE annotations SET name = COALESCE($3, name), content = COALESCE($4, content),
                                shown = COALESCE($5, shown), shared = COALESCE($6, shared),
                                updated_at = to_timestamp($7::bigint / 1e6)
-         WHERE id = $1 AND author_id = $2)sql",
-        set.id, set.author_id, what.name, what.content, what.shown, what.shared, to_us(now));
-    if (done.affected_rows() == 0) return no_set();
+         WHERE id = $1 AND author_id = $2 AND ($8::text IS NULL OR content = $8))sql",
+        set.id, set.author_id, what.name, what.content, what.shown, what.shared, to_us(now),
+        what.revision ? set.content.c_str() : nullptr);
+    if (done.affected_rows() == 0) {
+      if (what.revision) return fail(ErrorCode::kConflict, "The marks have changed.");
+      return no_set();
+    }
     return {};
   });
 }

@@ -9,6 +9,7 @@ namespace diaphane::api {
 namespace {
 
 constexpr std::size_t kSetNameLength = 60;
+constexpr std::size_t kRevisionLength = 100;
 
 nlohmann::ordered_json to_json(const AnnotationSet& set) {
   return {{"id", set.id},
@@ -17,6 +18,7 @@ nlohmann::ordered_json to_json(const AnnotationSet& set) {
           {"shown", set.shown},
           {"shared", set.shared},
           {"content", nlohmann::ordered_json::parse(set.content)},
+          {"revision", revision_of(set)},
           {"created_at", rfc3339(set.created_at)},
           {"updated_at", rfc3339(set.updated_at)}};
 }
@@ -40,6 +42,7 @@ Outcome<Response> change_set(AnnotationSets& sets, const Request& request, const
   AnnotationChange what;
   if (in.has("name")) what.name = in.name("name", 1, kSetNameLength);
   if (in.has("content")) what.content = read_annotations(in, "content");
+  if (in.has("revision")) what.revision = in.text("revision", 1, kRevisionLength);
   what.shown = in.optional_boolean("shown");
   what.shared = in.optional_boolean("shared");
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);

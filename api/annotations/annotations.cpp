@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "api/shared/secrets.h"
 #include "common/ids.h"
 #include "common/try.h"
 
@@ -13,12 +14,20 @@ tl::unexpected<Problem> no_such_set() {
   return refuse(ProblemKind::kNotFound, "These marks no longer exist.");
 }
 
+tl::unexpected<Problem> changed_meanwhile() {
+  return refuse(ProblemKind::kPrecondition,
+                "These marks have changed in the meantime. Reload them before you change them.");
+}
+
 tl::unexpected<Problem> set_problem(const Error& error) {
   if (error.code == ErrorCode::kNotFound) return no_such_set();
+  if (error.code == ErrorCode::kConflict) return changed_meanwhile();
   return refuse(error);
 }
 
 }  // namespace
+
+std::string revision_of(const AnnotationSet& set) { return blake2b(set.content).substr(0, 32); }
 
 Outcome<std::vector<AnnotationSet>> AnnotationSets::list(const Principal& who,
                                                          const std::string& data_set_id) {
@@ -62,6 +71,7 @@ Outcome<AnnotationSet> AnnotationSets::change(const Principal& who, const std::s
   if (what.shared.value_or(false)) {
     DIAPHANE_TRY(data_sets_.authorise(who, data_set_id, Action::kDescribe));
   }
+  if (what.revision && *what.revision != revision_of(*set)) return changed_meanwhile();
   const auto done = store_.change(*set, what, clock_.wall());
   if (!done) return set_problem(done.error());
   return find_own(who, data_set_id, id);

@@ -24,7 +24,12 @@ struct AnnotationSet {
 struct AnnotationChange {
   std::optional<std::string> name, content;
   std::optional<bool> shown, shared;
+  /// The revision of the content that the change is based on. Any if absent.
+  std::optional<std::string> revision;
 };
+
+/// Names a content, so that a change based on an older one can be refused.
+std::string revision_of(const AnnotationSet& set);
 
 /// Implemented by annotations/annotation_repository. Every function may return kUnavailable. The
 /// caller checks permissions first.
@@ -36,7 +41,8 @@ class AnnotationStore {
                                                   const std::string& viewer_id) = 0;
   /// Returns kTooMany if the author would have more than `most` of this data set.
   virtual Result<void> add(const AnnotationSet& set, int most) = 0;
-  /// Return kNotFound also for a set of another author.
+  /// Return kNotFound also for a set of another author. A change with a revision returns kConflict
+  /// if the stored content is not that of `set`.
   virtual Result<void> change(const AnnotationSet& set, const AnnotationChange& what, Time now) = 0;
   virtual Result<void> remove(const AnnotationSet& set) = 0;
 };
@@ -55,6 +61,7 @@ class AnnotationSets {
   /// Uses name, content, shown and shared of `set`. kTooMany.
   Outcome<AnnotationSet> add(const Principal& who, const std::string& data_set_id,
                              AnnotationSet set);
+  /// kPrecondition if the content has another revision than the change is based on.
   Outcome<AnnotationSet> change(const Principal& who, const std::string& data_set_id,
                                 const std::string& id, const AnnotationChange& what);
   Outcome<void> remove(const Principal& who, const std::string& data_set_id, const std::string& id);

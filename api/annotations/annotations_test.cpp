@@ -80,6 +80,23 @@ TEST_F(AnnotationSetsTest, OnlyItsAuthorChangesOrDeletesASet) {
   EXPECT_EQ(refusal(sets.remove(owner, id, hidden)), ProblemKind::kNotFound);
 }
 
+TEST_F(AnnotationSetsTest, RefusesAChangeOfOlderContent) {
+  const std::string set = added(owner);
+  AnnotationChange first;
+  first.content = "{\"a\":1}";
+  first.revision = revision_of(store.sets.front());
+  AnnotationChange late = first;
+  late.content = "{\"b\":1}";
+  ASSERT_TRUE(sets.change(owner, id, set, first));
+  EXPECT_EQ(refusal(sets.change(owner, id, set, late)), ProblemKind::kPrecondition);
+  EXPECT_EQ(store.sets.front().content, *first.content);
+  late.revision = revision_of(store.sets.front());
+  EXPECT_TRUE(sets.change(owner, id, set, late));
+  AnnotationChange name;
+  name.name = "Any revision";
+  EXPECT_TRUE(sets.change(owner, id, set, name));
+}
+
 TEST_F(AnnotationSetsTest, ASetBelongsToItsScan) {
   const std::string set = added(owner);
   EXPECT_EQ(refusal(sets.remove(owner, add_scan(), set)), ProblemKind::kNotFound);

@@ -184,6 +184,30 @@ HEIGHT = """() => {
 }"""
 
 
+def test_two_windows_keep_the_marks_of_each_other(stack: TestStack, visit, cranium: Path):
+    first = visit(wide=True)
+    person = Person.arrives(stack, first, "twice")
+    scan = person.has_scan(cranium, "Head")
+    opens(stack, first, scan)
+    press(first, "Text", 0.5, 0.5)
+    name_it(first, "Both")
+    saved = window(first)
+    saved.get_by_label("Name", exact=True).fill("Ours")
+    saved.get_by_role("button", name="Save", exact=True).click()
+    expect(saved.get_by_text("Saved as Ours.")).to_be_visible()
+    second = first.context.new_page()
+    opens(stack, second, scan)
+    expect(second.locator(MARKS)).to_have_count(1)
+    contents = f"SELECT content FROM annotations WHERE data_set_id = '{scan}'"
+    for page, text in ((first, "The first window"), (second, "The second window")):
+        window(page).get_by_role("button", name="Choose Both").click()
+        name_it(page, text)
+        stack.wait_until(lambda: text in stack.psql(contents)[0][0], what="the saved change")
+    # Both had changed one mark, so it is kept in both forms, also in the window that saved last.
+    assert "The first window" in stack.psql(contents)[0][0]
+    expect(second.locator(MARKS)).to_have_count(2)
+
+
 def height_in_head(page: Page) -> float:
     return page.evaluate(HEIGHT)
 

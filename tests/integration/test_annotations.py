@@ -62,6 +62,16 @@ def test_sets_are_changed_shared_and_deleted(api, one, other, scan):  # noqa: F8
     assert [each["name"] for each in listed(other.http, scan)] == ["Only mine"]
 
 
+def test_a_change_of_older_content_is_refused(api, one, scan):  # noqa: F811
+    made = save(one, scan).json()
+    path = f"/v1/data-sets/{scan}/annotations/{made['id']}"
+    changed = one.http.patch(path, json={"content": content(mark(text="First")), "revision": made["revision"]}).json()
+    assert changed["revision"] != made["revision"]
+    problem(one.http.patch(path, json={"content": content(mark(text="Late")), "revision": made["revision"]}), 412, "precondition")
+    assert [each["revision"] for each in listed(one.http, scan)] == [changed["revision"]]
+    assert one.http.patch(path, json={"content": content(), "revision": changed["revision"]}).status_code == 200
+
+
 def test_a_preset_carries_marks_if_it_was_saved_with_them(api, one, scan):  # noqa: F811
     from test_api_presets import SCENE
 

@@ -11,11 +11,15 @@ export interface AnnotationSet {
   readonly shared: boolean;
   /** The message `Annotations` as Protobuf JSON. */
   readonly content: unknown;
+  /** Changes with the content. */
+  readonly revision: string;
 }
 
 export interface AnnotationChange {
   readonly name?: string;
   readonly content?: unknown;
+  /** Of the content that the change is based on. The server refuses it with 412 if there is a newer one. */
+  readonly revision?: string;
   readonly shown?: boolean;
   readonly shared?: boolean;
 }

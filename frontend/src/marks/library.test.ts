@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { beforeEach, describe, expect, it } from "vitest";
-import type { AnnotationsApi, AnnotationSet } from "../api/annotations";
+import type { AnnotationChange, AnnotationsApi, AnnotationSet } from "../api/annotations";
+import { ApiProblem } from "../api/client";
 import { vec3 } from "../input/vec3";
 import { annotationsToJson } from "../protocol/mark_messages";
 import type { Measure } from "../slices/measure";
@@ -21,8 +22,11 @@ const setOf = (id: string, more: Partial<AnnotationSet> = {}): AnnotationSet => 
   shown: true,
   shared: false,
   content: contentOf([id]),
+  revision: "1",
   ...more,
 });
+
+const problem412 = new ApiProblem(412, "precondition", "");
 
 describe("saved marks", () => {
   let stored: AnnotationSet[] = [];
@@ -37,8 +41,11 @@ describe("saved marks", () => {
       stored.push(added);
       return Promise.resolve(added);
     },
-    change: (_: string, id: string, what: object) => {
-      stored = stored.map((one) => (one.id === id ? { ...one, ...what } : one));
+    change: (_: string, id: string, { revision, ...what }: AnnotationChange) => {
+      const before = stored.find((one) => one.id === id);
+      if (revision !== undefined && revision !== before?.revision) return Promise.reject(problem412);
+      const next = what.content === undefined ? {} : { revision: `${Number(before?.revision) + 1}` };
+      stored = stored.map((one) => (one.id === id ? { ...one, ...what, ...next } : one));
       return Promise.resolve(stored.find((one) => one.id === id));
     },
     remove: () => Promise.resolve(),
@@ -116,6 +123,28 @@ describe("saved marks", () => {
     expect(library.unsaved().marks.map(({ text }) => text)).toEqual(["gone"]);
     await settle();
     expect(saved("a")).toBe(JSON.stringify(contentOf(["newer"])));
+  });
+
+  it("keep what two windows have changed", async () => {
+    stored = [setOf("a", { content: contentOf(["first", "second", "third"]) })];
+    await opened();
+    stored = [
+      setOf("a", {
+        content: contentOf(["first", "second", "third, other window", "new, other window"]),
+        revision: "2",
+      }),
+    ];
+    marks.remove(1);
+    marks.add({ ...newMark("text", vec3(9, 0, 0), 0), text: "new, this window" });
+    const [last] = marks.items.value.slice(-1);
+    marks.items.value = marks.items.value.map((mark) => (mark === last ? { ...mark, set: "a" } : mark));
+    await settle();
+    const all = ["second", "third, other window", "new, other window", "new, this window"];
+    expect(texts()).toEqual(all);
+    await settle();
+    for (const text of all) expect(saved("a")).toContain(`"${text}"`);
+    expect(saved("a")).not.toContain("first");
+    expect(memory.unsavedSets).toEqual([]);
   });
 
   it("of the owner are neither changed nor saved, and stay hidden", async () => {

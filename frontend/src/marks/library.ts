@@ -1,11 +1,13 @@
 import { batch, effect, signal } from "@preact/signals";
 import type { AnnotationChange, AnnotationsApi, AnnotationSet } from "../api/annotations";
+import { ApiProblem } from "../api/client";
 import { annotationsFromJson, annotationsToJson, type Annotations } from "../protocol/mark_messages";
 import { isWhole } from "../slices/measure";
 import type { Slices } from "../slices/model";
 import type { After } from "../live/paced";
 import { withSet } from "./mark";
 import type { Marks } from "./marks";
+import { merged } from "./merge";
 
 /** The marks and measurements of a preset or a link. They belong to no saved set. */
 export const viewSet = "view";
@@ -136,15 +138,34 @@ export class MarkLibrary {
     this.cancel = null;
     for (const [set, content] of this.changes()) {
       try {
-        await this.change(set, { content });
+        await this.change(set, { content, revision: set.revision });
         this.stored.set(set.id, JSON.stringify(content));
         this.failed.value = false;
-      } catch {
+      } catch (thrown) {
+        const isStale = thrown instanceof ApiProblem && thrown.status === 412;
+        if (isStale && (await this.merge(set).catch(() => false))) return; // the merged content is saved next
         this.failed.value = true;
         return;
       }
     }
     this.noteUnsaved();
+  }
+
+  /** Merges what another window has saved meanwhile. Returns false if the set no longer exists. */
+  private async merge({ id }: AnnotationSet): Promise<boolean> {
+    const sets = await this.parts.api.list(this.parts.dataSetId);
+    const theirs = sets.find((one) => one.id === id);
+    if (!theirs) return false;
+    const base = annotationsFromJson(JSON.parse(this.stored.get(id) ?? "{}")) ?? empty;
+    const now = annotationsOf(this.parts, (set) => set === id);
+    const mine = annotationsFromJson(annotationsToJson(now)) ?? empty; // with the same rounding as the base
+    const content = annotationsFromJson(theirs.content) ?? empty;
+    batch(() => {
+      this.stored.set(id, JSON.stringify(annotationsToJson(content)));
+      this.sets.value = (this.sets.value ?? []).map((one) => (one.id === id ? theirs : one));
+      showSet(this.parts, id, merged(base, mine, content));
+    });
+    return true;
   }
 
   stop(): void {

@@ -20,6 +20,7 @@ export class Painter {
     const context = canvas.getContext("2d", { alpha: false });
     if (!context) throw new Error("this browser gives no canvas");
     this.context = context;
+    this.clear();
   }
 
   /** For a follower, whose canvas has another shape: shows the presenter's whole picture, with borders. */
@@ -37,7 +38,8 @@ export class Painter {
     shown.getContext("2d")?.drawImage(this.canvas, -from.x, -from.y);
     this.canvas.width = size.width;
     this.canvas.height = size.height;
-    if (width > 0 && height > 0) this.draw(shown, shown.width, shown.height);
+    if (!this.shown) this.clear();
+    else if (width > 0 && height > 0) this.draw(shown, shown.width, shown.height);
   }
 
   paint(picture: Picture): void {

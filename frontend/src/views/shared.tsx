@@ -7,6 +7,7 @@ import { tab } from "../storage";
 import { t } from "../texts";
 import { AccountFrame } from "./account_frame";
 import { dateText } from "./format";
+import { Link } from "./router";
 import { titleOf } from "./scan_card";
 import { Notice, Shell } from "./shell";
 import { useApp } from "./state";
@@ -42,11 +43,14 @@ export function SharedByLink({ token }: { readonly token: string }) {
   const app = useApp();
   const [leads, setLeads] = useState<{ readonly data_set: DataSet; readonly expires_at: string } | null>(null);
   const [fault, setFault] = useState("");
+  const [gone, setGone] = useState(false);
   const [looking, setLooking] = useState(false);
   const { place, again } = useVisit({ token }, token);
   useEffect(() => {
     app.api.sharing.follow(token).then(setLeads, (thrown: unknown) => {
-      setFault(thrown instanceof ApiProblem && thrown.status === 404 ? t.sharing.visit.gone : app.explain(thrown));
+      const isGone = thrown instanceof ApiProblem && thrown.status === 404;
+      setGone(isGone);
+      setFault(isGone ? t.sharing.visit.gone : app.explain(thrown));
     });
   }, [app, token]);
   if (looking && leads)
@@ -54,8 +58,16 @@ export function SharedByLink({ token }: { readonly token: string }) {
   const text = t.sharing.visit;
   return (
     <Shell>
-      <AccountFrame title={text.title} lead={leads ? text.lead(dateText(leads.expires_at)) : ""}>
+      <AccountFrame
+        title={gone ? text.goneTitle : text.title}
+        lead={leads ? text.lead(dateText(leads.expires_at)) : ""}
+      >
         {fault ? <Notice kind="bad">{fault}</Notice> : null}
+        {gone ? (
+          <Link href="/" class="button button-main button-wide">
+            {t.toStart}
+          </Link>
+        ) : null}
         {leads ? (
           <>
             <h2>{titleOf(leads.data_set)}</h2>

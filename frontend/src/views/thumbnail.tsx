@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
 import type { DataSet, PresetInfo, PresetName } from "../api/types";
 import { t } from "../texts";
+import { Icon } from "./icons";
 import { looksOfEvery } from "./looks";
 import { useApp } from "./state";
 import { TaskQueue } from "./task_queue";
@@ -100,9 +101,14 @@ export function PresetPicture({ preset }: { readonly preset: PresetInfo }) {
   const { url } = usePicture(`${preset.id} ${preset.etag}`, visible, notYet, (signal) =>
     app.api.presets.picture(preset, signal),
   );
-  return (
-    <span class={`saved-picture${url ? "" : " card-working"}`} ref={place}>
-      {url ? <img src={url} alt={t.presets.picture(preset.name)} width={320} height={320} draggable={false} /> : null}
+  return url ? (
+    <span class="saved-picture">
+      <img src={url} alt={t.presets.picture(preset.name)} width={320} height={320} draggable={false} />
+    </span>
+  ) : (
+    <span class="saved-picture saved-waits" ref={place}>
+      <Icon name="clock" />
+      {t.presets.noPictureYet}
     </span>
   );
 }

@@ -37,6 +37,7 @@ class FakeAnnotationStore final : public AnnotationStore, public Fake {
     DIAPHANE_TRY(enter("change"));
     for (AnnotationSet& one : sets) {
       if (one.id != set.id || one.author_id != set.author_id) continue;
+      if (what.revision && one.content != set.content) return fail(ErrorCode::kConflict, "changed");
       one.name = what.name.value_or(one.name);
       one.content = what.content.value_or(one.content);
       one.shown = what.shown.value_or(one.shown);

@@ -42,6 +42,7 @@ export const presets: Texts["presets"] = {
   exportOf: (name) => `${name} als Datei herunterladen`,
   import: "Voreinstellung hochladen",
   changed: "Diese Voreinstellung wurde in einem anderen Fenster geändert. Die Liste ist jetzt wieder aktuell.",
+  noPictureYet: "Noch kein Bild",
   picture: (name) => `Die Aufnahme mit der Voreinstellung ${name}`,
   report: "Melden",
   reportOf: (name) => `${name} melden`,

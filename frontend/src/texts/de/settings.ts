@@ -27,6 +27,7 @@ const range = (low: string, high: string, unit: string): string =>
   (unit === "°" ? `${low}° und ${high}°` : `${low} und ${high}${unit ? ` ${unit}` : ""}`).replaceAll("-", "−");
 
 export const settings: Texts["settings"] = {
+  nameOf,
   menu: "Bildeinstellungen",
   undo: "Rückgängig",
   redo: "Wiederholen",
@@ -212,7 +213,7 @@ export const settings: Texts["settings"] = {
     shadings: { phase: "Volumen", surface: "Oberfläche", hybrid: "Automatisch" },
     gradient: "Gradientenskala",
     phase: "Streuung in Volumen",
-    phases: { isotropic: "In alle Richtungen (isotrop)", henyey: "Vorwärts oder rückwärts (Henyey-Greenstein)" },
+    phases: { isotropic: "In alle Richtungen (isotrop)", henyey: "Je nach Richtung (Henyey-Greenstein)" },
     forward: "Vorwärtsstreuung (g)",
     background: "Hintergrund",
     environment: "Umgebungslicht als Hintergrund zeigen",

@@ -192,6 +192,7 @@ export const sharing: Texts["sharing"] = {
     sampleLead: "Sie brauchen kein Konto. Sie können die Aufnahme 20 Minuten lang ansehen.",
     by: (name) => `Geteilt von ${name}.`,
     look: "Aufnahme ansehen",
+    goneTitle: "Dieser Link gilt nicht mehr",
     gone: "Dieser Link ist abgelaufen oder wurde deaktiviert. Bitten Sie die Person, die ihn geteilt hat, um einen neuen.",
   },
 };

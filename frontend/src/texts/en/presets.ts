@@ -39,6 +39,7 @@ export const presets = {
   exportOf: (name: string) => `Download ${name} as a file`,
   import: "Upload a preset file",
   changed: "This preset was changed in another window. The list is now up to date.",
+  noPictureYet: "No picture yet",
   picture: (name: string) => `The scan shown with ${name}`,
   report: "Report",
   reportOf: (name: string) => `Report ${name}`,

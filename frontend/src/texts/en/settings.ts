@@ -27,6 +27,7 @@ const range = (low: string, high: string, unit: string): string =>
 
 /** The settings windows of the viewer. */
 export const settings = {
+  nameOf,
   menu: "Picture settings",
   undo: "Undo",
   redo: "Redo",
@@ -205,7 +206,7 @@ export const settings = {
     shadings: { phase: "Volume", surface: "Surface", hybrid: "Automatic" },
     gradient: "Gradient scale",
     phase: "Scattering in volumes",
-    phases: { isotropic: "In all directions (isotropic)", henyey: "Forwards or backwards (Henyey–Greenstein)" },
+    phases: { isotropic: "In all directions (isotropic)", henyey: "By direction (Henyey–Greenstein)" },
     forward: "Forward scattering (g)",
     background: "Background",
     environment: "Show the surrounding light as the background",

@@ -183,6 +183,7 @@ export const sharing = {
     sampleLead: "You don’t need an account. You can view the scan for 20 minutes.",
     by: (name: string) => `Shared by ${name}.`,
     look: "View the scan",
+    goneTitle: "This link no longer works",
     gone: "This link has expired or was disabled. Ask the person who shared it for a new one.",
   },
 } as const;

@@ -17,7 +17,10 @@ export function LiveLine({ session, role, owner }: LiveLineProps) {
   const presenter = role.presenter;
   return (
     <div class="glass live-line">
-      <p role="status">{presenter ? t.live.presents(shownName(presenter)) : t.live.presenterAway}</p>
+      <p role="status">
+        {presenter ? t.live.presents(shownName(presenter)) : t.live.presenterAway}
+        {presenter || owner || role.freeCamera ? null : ` ${t.live.lookAround}`}
+      </p>
       {owner ? <TakeBack session={session} role={role} /> : null}
       <HandButton session={session} role={role} />
       <button

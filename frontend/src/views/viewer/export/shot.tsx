@@ -116,12 +116,12 @@ async function still(order: StillOrder, place: Place, tell: (state: ShotState) =
 /** The progress of the picture. */
 export function ShotLine({ shot: { state, video, stop, hide } }: { readonly shot: Shot }) {
   const text = video ? t.take.ofVideo : t.take.ofPicture;
-  const done = state?.kind === "done";
+  const expected = state?.kind === "done" || (state?.kind === "failed" && state.trouble === "stopped");
   useEffect(() => {
-    if (!done) return;
+    if (!expected) return;
     const timer = setTimeout(hide, savedShownMs); // it would cover what lies under it
     return () => clearTimeout(timer);
-  }, [done, hide]);
+  }, [expected, hide]);
   if (state === null) return null;
   if (state.kind === "rendering") {
     const percent = state.done === null ? "" : percentText(Math.floor(100 * state.done) / 100);

@@ -200,12 +200,20 @@ export interface SelectControlProps<Value extends string> {
   readonly value: Value;
   readonly options: readonly (readonly [value: Value, text: string])[];
   readonly change: (value: Value) => void;
+  /** Whether the words need the full width. */
+  readonly long?: boolean;
 }
 
 /** A choice of one value from the browser's own list. */
-export function SelectControl<Value extends string>({ label, value, options, change }: SelectControlProps<Value>) {
+export function SelectControl<Value extends string>({
+  label,
+  value,
+  options,
+  change,
+  long = false,
+}: SelectControlProps<Value>) {
   return (
-    <label class="control">
+    <label class={long ? "control control-long" : "control"}>
       <span class="control-name">{label}</span>
       <select
         class="choice"

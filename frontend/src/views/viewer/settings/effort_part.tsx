@@ -16,6 +16,7 @@ export function EffortPart({ session }: EffortProps) {
     <>
       <Switch label={text.smooth} on={now.smooth} change={(smooth) => set({ smooth })} />
       <SelectControl
+        long
         label={text.stop}
         value={effort.stopOf(now)}
         options={effort.stops.map((one) => [one, text.stops[one]])}

@@ -221,6 +221,7 @@ function PhaseFunction({ scene, edits }: LensPartProps) {
   return (
     <>
       <SelectControl
+        long
         label={text.phase}
         value={henyey ? "henyey" : "isotropic"}
         options={[

@@ -36,7 +36,7 @@ export function MaterialControls({ session, index, onRemoved }: MaterialControls
     <>
       <NameControl
         label={text.name}
-        value={channel.name}
+        value={t.settings.nameOf(channel.name)}
         most={transfer.longestName}
         change={(name) => {
           set("name", { name }, false);

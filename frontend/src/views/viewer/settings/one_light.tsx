@@ -267,7 +267,7 @@ function LightName({ session, light, index }: LightProps) {
   return (
     <NameControl
       label={t.settings.light.name}
-      value={light.name}
+      value={t.settings.nameOf(light.name)}
       most={60}
       change={sceneEdits(session.editor).once(`light name ${index}`, (now, name: string) =>
         lights.nameLight(now, index, name),

@@ -38,6 +38,8 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
       <SettingsMenu session={session} leads={leads} shown={shown} toggle={toggle} menu={menu} />
       {shown.map((name) => {
         const View = views[name];
+        const reset = () => (name === "marks" ? session.marks.clear() : session.reset(name));
+        const isReset = name === "marks" && !session.marks.items.value.some((mark) => session.marks.isOwn(mark));
         const mayChange = name === "marks" || (leads && (name !== "cuts" || cuts));
         return (
           <SettingsWindow
@@ -49,7 +51,8 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
             onMove={(x, y) => move(name, x, y)}
             onDock={() => dock(name)}
             onClose={() => close(name)}
-            onReset={mayChange ? () => (name === "marks" ? session.marks.clear() : session.reset(name)) : null}
+            onReset={mayChange ? reset : null}
+            isReset={isReset}
             disabledReason={leads ? t.settings.notForGuests : t.settings.notYours}
           >
             <View session={session} leads={mayChange} picture={picture} />

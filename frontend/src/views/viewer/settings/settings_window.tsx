@@ -18,6 +18,8 @@ export interface SettingsWindowProps {
   readonly onDock: () => void;
   readonly onClose: () => void;
   readonly onReset: (() => void) | null;
+  /** Whether there is nothing to reset. */
+  readonly isReset: boolean;
   /** Why the user can change nothing here, if `onReset` is null. */
   readonly disabledReason: string;
   readonly children: ComponentChildren;
@@ -91,7 +93,7 @@ function WindowHead({ name, narrow, drag, free, onDock, onClose }: WindowHeadPro
   );
 }
 
-function WindowBody({ name, onReset, disabledReason, children }: SettingsWindowProps) {
+function WindowBody({ name, onReset, isReset, disabledReason, children }: SettingsWindowProps) {
   return (
     <div class="window-body">
       {onReset ? null : (
@@ -102,11 +104,13 @@ function WindowBody({ name, onReset, disabledReason, children }: SettingsWindowP
       <fieldset class="window-controls" disabled={onReset === null}>
         <legend class="visually-hidden">{t.settings.windows[name]}</legend>
         {children}
-        <p class="window-foot">
-          <button type="button" class="button button-small" onClick={onReset ?? undefined}>
-            {t.settings.reset[name]}
-          </button>
-        </p>
+        {isReset ? null : (
+          <p class="window-foot">
+            <button type="button" class="button button-small" onClick={onReset ?? undefined}>
+              {t.settings.reset[name]}
+            </button>
+          </p>
+        )}
       </fieldset>
     </div>
   );

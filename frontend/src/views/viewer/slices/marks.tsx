@@ -1,6 +1,6 @@
-import { useMemo } from "preact/hooks";
 import type { Area, Point } from "../../../input/flat";
 import { handlesOf, isWhole, type Held, type Measure } from "../../../slices/measure";
+import { labelPlaces, lineHeight, type LabelPlace } from "../../../slices/label_places";
 import { pointOf, type Placing } from "../../../slices/placing";
 import { spotOf, type Stack } from "../../../slices/stack";
 import type { Vec3 } from "../../../input/vec3";
@@ -25,24 +25,34 @@ export function Marks({ slice, placing, area, crosshair, measures, index, held }
   const { stack } = slice;
   const onView = (place: Vec3): Point => pointOf(stack, placing, area, spotOf(stack, place));
   const { x, y } = onView(crosshair);
+  const shown = measures.flatMap((measure, i) =>
+    isInSlice(measure, stack, index)
+      ? [{ measure, i, points: handlesOf(stack, measure).map(onView), lines: measureLines(measure, slice) }]
+      : [],
+  );
+  const labels = shown.map(({ measure, points, lines }) => ({ lines, beside: besideOf(measure, points) }));
+  const places = labelPlaces(labels, area);
   return (
     <svg class="slice-marks" aria-hidden="true" width={area.width} height={area.height}>
       <path
         class="slice-cross"
         d={`M0 ${y}H${Math.max(0, x - gap)}M${x + gap} ${y}H${area.width}M${x} 0V${Math.max(0, y - gap)}M${x} ${y + gap}V${area.height}`}
       />
-      {measures.map((measure, i) =>
-        isInSlice(measure, stack, index) ? (
-          <MeasureMark
-            key={i}
-            slice={slice}
-            measure={measure}
-            onView={onView}
-            area={area}
-            held={held?.measure === i ? held.handle : null}
-          />
-        ) : null,
-      )}
+      {shown.map(({ measure, i, points, lines }, nth) => (
+        <g key={i} class={isWhole(measure) ? "slice-measure" : "slice-measure slice-measure-open"}>
+          <Outline measure={measure} points={points} />
+          {points.map((point, handle) => (
+            <circle
+              key={handle}
+              class={held?.measure === i && held.handle === handle ? "slice-held" : undefined}
+              cx={point.x}
+              cy={point.y}
+              r={3.5}
+            />
+          ))}
+          <Lines lines={lines} place={places[nth]} />
+        </g>
+      ))}
     </svg>
   );
 }
@@ -50,41 +60,23 @@ export function Marks({ slice, placing, area, crosshair, measures, index, held }
 export const isInSlice = (measure: Measure, stack: Stack, index: number): boolean =>
   measure.plane === stack.plane && measure.slice === index;
 
-interface MeasureMarkProps {
-  readonly slice: MeasuredSlice;
-  readonly measure: Measure;
-  readonly onView: (place: Vec3) => Point;
-  readonly area: Area;
-  /** The handle that is being moved. */
-  readonly held: number | null;
+/** What the label of a measurement stands beside: an ellipse, the vertex of an angle, or the last point. */
+function besideOf(measure: Measure, points: readonly Point[]): readonly Point[] {
+  if (isEllipse(measure)) return points.slice(0, 4);
+  const point = (measure.kind === "angle" ? points[1] : undefined) ?? points.at(-1);
+  return point ? [point] : [];
 }
 
-function MeasureMark({ slice, measure, onView, area, held }: MeasureMarkProps) {
-  const { stack, pixels, hounsfield } = slice;
-  // The crosshair moves more often than these change, and a large ellipse has a hundred thousand pixels.
-  const lines = useMemo(
-    () => measureLines(measure, { stack, pixels, hounsfield }),
-    [measure, stack, pixels, hounsfield],
-  );
-  const points = handlesOf(stack, measure).map(onView);
-  const isEllipse = measure.kind === "ellipse" && isWhole(measure);
-  return (
-    <g class={isWhole(measure) ? "slice-measure" : "slice-measure slice-measure-open"}>
-      {isEllipse ? (
-        <EllipseOutline points={points} />
-      ) : (
-        <polyline points={points.map((point) => `${point.x},${point.y}`).join(" ")} />
-      )}
-      {points.map((point, i) => (
-        <circle key={i} class={i === held ? "slice-held" : undefined} cx={point.x} cy={point.y} r={3.5} />
-      ))}
-      {isEllipse ? (
-        <Lines lines={lines} {...besideEllipse(points, area, lines.length)} />
-      ) : (
-        <Lines lines={lines} {...besidePoint(measure.kind === "angle" ? points[1] : points.at(-1), area)} />
-      )}
-    </g>
-  );
+const isEllipse = (measure: Measure): boolean => measure.kind === "ellipse" && isWhole(measure);
+
+interface OutlineProps {
+  readonly measure: Measure;
+  readonly points: readonly Point[];
+}
+
+function Outline({ measure, points }: OutlineProps) {
+  if (isEllipse(measure)) return <EllipseOutline points={points} />;
+  return <polyline points={points.map((point) => `${point.x},${point.y}`).join(" ")} />;
 }
 
 /** `points` are the handles of the ellipse. */
@@ -96,38 +88,14 @@ function EllipseOutline({ points }: { readonly points: readonly Point[] }) {
   );
 }
 
-interface Beside {
-  readonly x: number;
-  readonly y: number;
-  readonly anchor: "start" | "middle" | "end";
+interface LinesProps {
+  readonly lines: readonly string[];
+  readonly place: LabelPlace | undefined;
 }
 
-function besidePoint(point: Point | undefined, area: Area): Beside {
-  const at = point ?? { x: 0, y: 0 };
-  const right = at.x > area.width - 90;
-  return { x: at.x + (right ? -9 : 9), y: Math.max(16, at.y - 9), anchor: right ? "end" : "start" };
-}
-
-const lineHeight = 16;
-/** The width of the longest line, for the choice of a side. */
-const linesWidth = 175;
-
-/** Returns the first line's place: on the right of the ellipse, else on its left, else above or below it. */
-function besideEllipse(points: readonly Point[], area: Area, count: number): Beside {
-  const xs = points.map(({ x }) => x);
-  const ys = points.map(({ y }) => y);
-  const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-  const within = (y: number) => Math.min(Math.max(y, 2 * lineHeight), area.height - count * lineHeight);
-  const middle = within((top + bottom) / 2 - ((count - 1) * lineHeight) / 2 + 5);
-  if (right + 9 + linesWidth <= area.width) return { x: right + 9, y: middle, anchor: "start" };
-  if (left - 9 - linesWidth >= 0) return { x: left - 9, y: middle, anchor: "end" };
-  const x = Math.min(Math.max((left + right) / 2, linesWidth / 2), area.width - linesWidth / 2);
-  const above = top - count * lineHeight + 6;
-  return { x, y: within(above > 2 * lineHeight ? above : bottom + lineHeight + 2), anchor: "middle" };
-}
-
-function Lines({ lines, x, y, anchor }: Beside & { readonly lines: readonly string[] }) {
-  if (lines.length === 0) return null;
+function Lines({ lines, place }: LinesProps) {
+  if (lines.length === 0 || !place) return null;
+  const { x, y, anchor } = place;
   return (
     <text x={x} y={y} text-anchor={anchor}>
       {lines.length === 1

@@ -10,8 +10,19 @@ export interface MeasuredSlice {
   readonly hounsfield: boolean;
 }
 
+/** What was read last. The crosshair moves more often, and a large ellipse has a hundred thousand pixels. */
+const read = new WeakMap<Measure, { readonly slice: MeasuredSlice; readonly lines: readonly string[] }>();
+
 /** Returns the lines beside a measurement in the slice. */
-export function measureLines(measure: Measure, { stack, pixels, hounsfield }: MeasuredSlice): readonly string[] {
+export function measureLines(measure: Measure, slice: MeasuredSlice): readonly string[] {
+  const known = read.get(measure);
+  if (known?.slice === slice) return known.lines;
+  const lines = linesOf(measure, slice);
+  read.set(measure, { slice, lines });
+  return lines;
+}
+
+function linesOf(measure: Measure, { stack, pixels, hounsfield }: MeasuredSlice): readonly string[] {
   if (measure.kind !== "ellipse") {
     const value = measured(measure);
     return value === null ? [] : [t.slices[measure.kind](value)];

@@ -1,3 +1,5 @@
+import type { RefObject } from "preact";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { typedNumber, type Limits } from "../../../scene/numbers";
 import type { OverlaySetting } from "../../../slices/memory";
 import { tools, type Shown, type Slices } from "../../../slices/model";
@@ -18,14 +20,18 @@ interface SliceBarProps {
 /** The toolbar of the slices: the layout, the tool, and the grey window in numbers. */
 export function SliceBar({ slices, volume }: SliceBarProps) {
   const none = slices.measures.value.length === 0;
-  if (slices.following.value)
-    return slices.narrow.value ? (
-      <div class="glass slice-bar">
+  const bar = useRef<HTMLDivElement>(null);
+  const following = slices.following.value;
+  const shown = !following || slices.narrow.value;
+  useRoomBelow(bar, shown);
+  if (following)
+    return shown ? (
+      <div class="glass slice-bar" ref={bar}>
         <ViewChoice slices={slices} />
       </div>
     ) : null;
   return (
-    <div class="glass slice-bar">
+    <div class="glass slice-bar" ref={bar}>
       <ViewChoice slices={slices} />
       <Choice
         label={t.slices.tools}
@@ -52,6 +58,23 @@ export function SliceBar({ slices, volume }: SliceBarProps) {
       </div>
     </div>
   );
+}
+
+/** Lets the slices begin below the bar, which has as many lines as its words need. */
+function useRoomBelow(bar: RefObject<HTMLElement | null>, shown: boolean): void {
+  useLayoutEffect(() => {
+    const element = bar.current;
+    const viewer = element?.closest<HTMLElement>(".viewer");
+    if (!element || !viewer) return;
+    const measure = () => viewer.style.setProperty("--slice-bar", `calc(${element.offsetHeight}px + 0.5rem)`);
+    measure();
+    const watch = new ResizeObserver(measure);
+    watch.observe(element);
+    return () => {
+      watch.disconnect();
+      viewer.style.removeProperty("--slice-bar");
+    };
+  }, [bar, shown]);
 }
 
 function ViewChoice({ slices }: Pick<SliceBarProps, "slices">) {

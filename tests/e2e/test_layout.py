@@ -1,0 +1,140 @@
+"""What the viewer shows beside, above and around the picture: nothing is clipped, covered or left without words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from harness import TestStack
+from person import Person
+from test_in_picture import open_scan
+
+WINDOWS = {"en": ("Materials", "Light", "Lens and quality", "Cuts and slices", "Marks"),
+           "de": ("Materialien", "Licht", "Objektiv und Qualität", "Schnitte und Schichten", "Markierungen")}
+
+#: Runs in the page: the words of visible choices that are wider than their field. A field has 2 rem of padding and arrow.
+CLIPPED = """() => [...document.querySelectorAll(".window select")].filter((one) => one.offsetWidth > 0).flatMap((one) => {
+    const pen = document.createElement("canvas").getContext("2d");
+    pen.font = getComputedStyle(one).font;
+    return [...one.options].map((option) => option.text).filter((text) => pen.measureText(text).width + 32 > one.offsetWidth);
+})"""
+
+#: Runs in the page: the first row of the subject in CSS pixels. The subject is brighter than the ground in the middle of the picture.
+TOP = """() => {
+    const canvas = document.querySelector(".stage > canvas"), { width, height } = canvas;
+    const rgba = canvas.getContext("2d").getImageData(width * 0.45, 0, width * 0.1, height).data;
+    const columns = rgba.length / 4 / height, box = canvas.getBoundingClientRect();
+    for (let y = 0; y < height; ++y) {
+        let bright = 0;
+        for (let x = 0; x < columns; ++x) bright += rgba[4 * (y * columns + x)] > 120;
+        if (bright > columns / 2) return box.top + (y * box.height) / height;
+    }
+    return NaN;
+}"""
+
+
+@pytest.fixture
+def opened(stack: TestStack, visit, cranium: Path):
+    """Opens a scan in a window of a size: opened("en-GB", 1280, 720)."""
+    def open_one(locale: str, width: int, height: int, **more) -> tuple[Page, str]:
+        page = visit(locale="en-GB", **more)
+        scan = Person.arrives(stack, page, "layout").has_scan(cranium, "Head")
+        cookies = page.context.cookies()
+        page.close()
+        page = visit(locale=locale, **more)
+        page.context.add_cookies(cookies)
+        open_scan(stack, page, scan, width, height)
+        return page, scan
+    return open_one
+
+
+@pytest.mark.parametrize("locale", ["en-GB", "de-DE"])
+def test_slices_begin_right_below_their_bar_and_no_choice_is_clipped(locale: str, opened, pictures: Path):
+    page, _ = opened(locale, 1280, 720)
+    page.keyboard.press("Escape")
+    page.keyboard.press("v")
+    expect(page.locator(".slice-pane")).to_have_count(3)
+    for width, height in ((1280, 720), (1440, 900), (1024, 1366), (800, 600), (390, 844)):
+        page.set_viewport_size({"width": width, "height": height})
+        expect(page.locator(".slice-pane")).to_have_count(1 if width < 700 else 3)
+        page.screenshot(path=pictures / f"layout-slices-{locale}-{width}.png")
+        bar, pane = (page.locator(name).first.bounding_box() for name in (".slice-bar", ".slice-pane"))
+        assert 0 < pane["y"] - bar["y"] - bar["height"] <= 16, (width, bar, pane)
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.keyboard.press("v")
+    for name in WINDOWS[locale[:2]]:
+        page.get_by_role("button", name=name, exact=True).click()
+        frame = page.get_by_role("dialog", name=name, exact=True)
+        for more in frame.locator("details.more:not([open]) > summary").all():
+            more.click()
+        page.screenshot(path=pictures / f"layout-{locale}-{name}.png")
+        assert page.evaluate(CLIPPED) == [], name
+        if name == "Light":
+            expect(frame.get_by_label("Name", exact=True)).to_have_value("Main light")
+        page.get_by_role("button", name=name, exact=True).click()
+
+
+@pytest.mark.parametrize("width,height", [(1280, 720), (1440, 900), (1024, 1366)])
+def test_notes_above_the_picture_never_cover_the_subject(stack: TestStack, opened, pictures: Path, width: int, height: int):
+    page, _ = opened("en-GB", width, height)
+    for note in (".hints", ".pill-note"):
+        expect(page.locator(note)).to_be_visible()
+        stack.wait_until(lambda: page.evaluate(TOP) > 0 or page.wait_for_timeout(50), what="the subject")
+        page.screenshot(path=pictures / f"layout-note{note}-{width}.png")
+        box = page.locator(note).bounding_box()
+        assert page.evaluate(TOP) >= box["y"] + box["height"], note
+        page.keyboard.press("Escape")
+
+
+def test_a_preset_without_a_picture_says_so(opened, pictures: Path):
+    page, scan = opened("en-GB", 1280, 720)
+    page.route("**/presets/*/thumbnail", lambda route: route.fulfill(status=404))
+    page.locator(".tool-presets").click()
+    dialog = page.get_by_role("dialog", name="Saved presets")
+    dialog.get_by_label("Name of the new preset").fill("Mine")
+    dialog.get_by_role("button", name="Save the current view").click()
+    expect(dialog.get_by_text("No picture yet")).to_be_visible()
+    page.screenshot(path=pictures / "layout-presets.png")
+    # The way out of a dialog stays in sight, however little room there is.
+    page.set_viewport_size({"width": 800, "height": 400})
+    close = dialog.get_by_role("button", name="Close").bounding_box()
+    assert close["y"] + close["height"] <= 400
+
+
+def test_a_disabled_link_leads_to_the_start_page(stack: TestStack, visit, pictures: Path):
+    page = visit(phone=True)
+    page.goto(f"{stack.url}/shared#{64 * '0'}")
+    expect(page.get_by_role("heading", name="This link no longer works")).to_be_visible()
+    page.screenshot(path=pictures / "layout-link-gone.png")
+    page.get_by_role("link", name="Go to the start page").tap()
+    expect(page).to_have_url(stack.url + "/")
+
+
+def test_a_guest_on_a_phone_reads_what_they_can_do(stack: TestStack, visit, opened, pictures: Path):
+    page, _ = opened("de-DE", 1280, 720)
+    page.locator(".tool-share").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_role("button", name="Link erstellen").click()
+    link = dialog.locator("input[readonly]").input_value()
+    phone = visit(phone=True, locale="de-DE")
+    phone.goto(link)
+    phone.get_by_role("button", name="Teilnehmen", exact=True).tap()
+    words = phone.locator(".live-line p")
+    expect(words).to_have_text("Besitzer präsentiert")
+    keeps_apart(phone)
+    page.close()
+    expect(words).to_have_text("Gerade präsentiert niemand. Sie können allein weitersehen.")
+    phone.screenshot(path=pictures / "layout-guest-alone.png")
+    keeps_apart(phone)
+
+
+def keeps_apart(phone: Page) -> None:
+    """The words have room, and the line, the cube and the quality do not cover each other."""
+    expect(phone.locator(".quality-chip")).to_be_visible()
+    words, line = (phone.locator(name).bounding_box() for name in (".live-line p", ".live-line"))
+    assert words["width"] > 250 and words["height"] < 80
+    for name in (".quality-chip", ".cube"):
+        box = phone.locator(name).bounding_box()
+        assert box["y"] + box["height"] <= line["y"], name
