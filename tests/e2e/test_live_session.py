@@ -42,7 +42,7 @@ def came(stack: TestStack, page: Page, by: Page, after: int) -> None:
 def settled(stack: TestStack, page: Page) -> Facts:
     """After a rotation, the full picture follows the release of the pointer. Its status appears long before a picture with this
     many samples."""
-    return wait_for_samples(stack, page, 16)
+    return wait_for_samples(stack, page, 4)
 
 
 def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Page, pictures: Path) -> None:
@@ -192,7 +192,7 @@ def test_a_follower_sees_the_view_of_the_presenter_and_takes_over(stack: TestSta
     assert difference(before, pixels(follower)) > 3
     before = settled(stack, owner)
     drag(follower, 100, 0)
-    assert wait_for_samples(stack, owner, before.samples + 8).epoch == before.epoch
+    assert wait_for_samples(stack, owner, before.samples + 2).epoch == before.epoch
     follower.screenshot(path=pictures / "live-follower.png")
     check_page(follower)
     follows_with_windows_and_slices(stack, owner, follower, pictures)
