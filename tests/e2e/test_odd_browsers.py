@@ -99,7 +99,7 @@ def test_the_page_works_in_an_insecure_context(all_stacks: StackFactory, browser
 @pytest.mark.nightly
 def test_the_picture_survives_a_lost_gpu_and_an_empty_window(stack: TestStack, visit, owner):
     page = opened(visit, stack, owner)
-    wait_for_samples(stack, page, 4)
+    wait_for_samples(stack, page, 8)
     whole = pixels(page)
 
     # As after a crash of the GPU process: the canvas is black, and the browser reports that it is usable again.
