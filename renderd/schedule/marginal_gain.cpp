@@ -111,6 +111,14 @@ std::vector<Quantum> MarginalGain::overtaking(std::span<const SessionView> sessi
   return choose(sessions, highest);
 }
 
+// Whoever stops moving waits for the picture just as much as during the drag. The limit keeps a
+// session whose inputs never end from stopping all others: drags are paced, other inputs are not.
+bool MarginalGain::may_overtake(const SessionView& session, unsigned above) const {
+  if (session.samples > 0 || first_picture_precedence(session) <= above) return false;
+  if (session.seconds_since_input < options_.moving_seconds) return true;
+  return session.seconds_unanswered > 0 && session.seconds_lately < options_.most_drag_share;
+}
+
 std::vector<Quantum> MarginalGain::choose(std::span<const SessionView> sessions,
                                           std::optional<unsigned> above) const {
   const Load load = load_of(sessions, options_.moving_seconds);
@@ -147,9 +155,7 @@ std::vector<Quantum> MarginalGain::choose(std::span<const SessionView> sessions,
   Candidate best;
   for (const SessionView& session : sessions) {
     if (!waits(session)) continue;
-    const bool moves = session.seconds_since_input < options_.moving_seconds;
-    if (above && !(moves && session.samples == 0)) continue;
-    if (above && first_picture_precedence(session) <= *above) continue;
+    if (above && !may_overtake(session, *above)) continue;
     const Candidate other = candidate(session);
     if (above && other.rank != Rank::kDue) continue;
     if (!best.session || other.before(best)) best = other;

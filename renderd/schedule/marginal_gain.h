@@ -66,7 +66,8 @@ class MarginalGain final : public Policy {
   double gain(const SessionView& session) const;
 
  private:
-  /// If `above` is set, considers only first pictures of moving sessions that are due and have a
+  bool may_overtake(const SessionView& session, unsigned above) const;
+  /// If `above` is set, considers only first pictures that are due, answer an input and have a
   /// precedence above it.
   std::vector<Quantum> choose(std::span<const SessionView> sessions,
                               std::optional<unsigned> above) const;

@@ -142,7 +142,7 @@ TEST(MarginalGain, RunningSessionIsNotChosenAgainButCountsAsLoad) {
   EXPECT_TRUE(MarginalGain().next(sessions).empty());
 }
 
-TEST(MarginalGain, OnlyTheDueFirstImageOfADragOvertakes) {
+TEST(MarginalGain, OnlyADueFirstImageOvertakes) {
   MarginalGain policy;
   const auto overtaking = [&](const SessionView& session) {
     return !policy.overtaking(std::vector{resting(1, 10), session}, 0).empty();
@@ -156,7 +156,13 @@ TEST(MarginalGain, OnlyTheDueFirstImageOfADragOvertakes) {
   SessionView just_begun = drag;
   just_begun.seconds_since_begun = 0.0001;
   EXPECT_FALSE(overtaking(just_begun)) << "drags leave part of the device to others";
-  EXPECT_FALSE(overtaking(asking(2, 1))) << "a new picture at rest";
+  SessionView at_rest = asking(2, 1);
+  at_rest.seconds_since_input = 1;
+  EXPECT_TRUE(overtaking(at_rest));
+  at_rest.seconds_lately = 0.9;
+  EXPECT_FALSE(overtaking(at_rest)) << "inputs without end leave part of the device to others";
+  SessionView unasked = resting(2, 0);
+  EXPECT_FALSE(overtaking(unasked)) << "it answers no input";
   SessionView under_way = drag;
   under_way.under_way = true;
   EXPECT_FALSE(overtaking(under_way));

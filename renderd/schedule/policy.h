@@ -53,8 +53,8 @@ class Policy {
   /// only for sessions for which waits() is true, and at least one if there is such a session.
   virtual std::vector<Quantum> next(std::span<const SessionView> sessions) = 0;
   /// Returns quanta to begin although the device is full. They pause the quanta in flight, whose
-  /// precedence is at most `highest`. Only the first picture of a moving session that is due
-  /// justifies this.
+  /// precedence is at most `highest`. Only the first picture after an input justifies this, and
+  /// only if it is due.
   virtual std::vector<Quantum> overtaking(std::span<const SessionView>, unsigned /*highest*/) {
     return {};
   }
@@ -67,7 +67,7 @@ bool gains(const SessionView& session);
 /// Whether the session gains and has no quantum in flight.
 bool waits(const SessionView& session);
 
-/// Precedence on the CPU of the first picture of a moving session; everything else has 0. It is 1
+/// Precedence on the CPU of the first picture after an input; everything else has 0. It is 1
 /// if the picture and those before it (`seconds_lately`) take 0.25 s or more, or an unknown time.
 /// It rises by one for each factor of four below that, up to kHighestPrecedence. So a small picture
 /// does not wait for large ones, and a user with a large window, an expensive scene or many inputs

@@ -109,7 +109,7 @@ void Runner::run() {
     std::unique_lock lock(mutex_);
     const bool idle = in_flight_.count() == 0;
     const Time since = clock_.now();
-    changed_.wait_for(lock, next_rest(), [&] { return wakes_ != last_wake; });
+    changed_.wait_for(lock, next_change(), [&] { return wakes_ != last_wake; });
     if (idle) spent_.idle += seconds_between(since, clock_.now());
   }
   {
@@ -152,14 +152,18 @@ void Runner::take_next_renderers() {
   }
 }
 
-// Returns the time until the next moving session comes to rest, which is the only change that does
-// not wake the thread.
-std::chrono::nanoseconds Runner::next_rest() const {
+// Returns the time until the next change that does not wake the thread: a moving session comes to
+// rest, or a picture that could overtake others becomes due. Only the policy knows when the second
+// happens, so it is asked often.
+std::chrono::nanoseconds Runner::next_change() const {
+  constexpr std::chrono::milliseconds kBetweenQuestions(4);
   const Time now = clock_.now();
   std::chrono::nanoseconds wait = std::chrono::seconds(1);
   for (const auto& entry : entries_) {
     if (entry->under_way) continue;
     const ViewRequest& requested = entry->ledger.requested();
+    const bool asks = entry->ledger.stale() && requested.visible && requested.room;
+    if (asks && !options_.device_queues) return kBetweenQuestions;
     if (!entry->ledger.moving() || !requested.visible) continue;
     const Seconds rest = Seconds(kRestSeconds) - (now - requested.last_input);
     wait = std::min(wait, std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -294,7 +298,7 @@ bool Runner::step() {
     item->entry = *chosen;
     item->samples = quantum.samples;
     const Ledger& ledger = item->entry->ledger;
-    if (!options_.device_queues && ledger.moving() && first_picture(ledger)) {
+    if (!options_.device_queues && first_picture(ledger)) {
       item->precedence = first_picture_precedence(item->entry->last_view);
     }
     const double parallel = options_.rules.device_parallel;

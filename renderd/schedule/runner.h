@@ -144,7 +144,7 @@ class Runner {
 
   void settle(WorkItem& item);
   void settle_still(WorkItem& item);
-  std::chrono::nanoseconds next_rest() const;
+  std::chrono::nanoseconds next_change() const;
   void drop(SessionEntry& entry, const Error& why);
 
   const std::unique_ptr<Policy> policy_;

@@ -131,11 +131,18 @@ TEST_F(RunnerTest, FirstImageOvertakesALongSample) {
     std::this_thread::sleep_for(100ms);  // longer than a quantum that was begun at the old cost
     return device->rendering == 1 && slow->samples == samples;
   }));
-  device->seconds_per_megapixel = 0.01;
+  // 20 ms per picture, after which a drag leaves the device to others for some milliseconds. The
+  // third picture becomes due without another wake().
+  device->seconds_per_megapixel = 80;
   quick->show(true);
-  quick->turn(2);
+  for (std::uint64_t turn = 2; turn <= 3; ++turn) {
+    quick->turn(static_cast<double>(turn));
+    overtaking.wake();
+    ASSERT_TRUE(eventually([&] { return quick->pictures().back().info.input_seq == turn; }));
+  }
+  quick->turn_and_rest(4);
   overtaking.wake();
-  EXPECT_TRUE(eventually([&] { return quick->pictures().back().info.input_seq == 2; }));
+  EXPECT_TRUE(eventually([&] { return quick->pictures().back().info.input_seq == 4; }));
   EXPECT_EQ(slow->samples, samples);
   overtaking.remove(slow_handle);
 }

@@ -28,6 +28,12 @@ class TestClient final : public RenderClient {
     ++requested_.input_seq;
     version_ = ++requested_.version;
   }
+  /// The last input of a gesture.
+  void turn_and_rest(double angle) {
+    turn(angle);
+    const std::lock_guard lock(mutex_);
+    requested_.rest = true;
+  }
   void show(bool visible) {
     const std::lock_guard lock(mutex_);
     requested_.visible = visible;
