@@ -44,8 +44,9 @@ class ProgressiveRenderer {
   /// canvas and picture stay as they were.
   virtual Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) = 0;
   /// Adds up to `samples` samples per pixel, fewer where a draft ends. Between rows or launches it
-  /// asks `stop`, and returns early if that is true. It then discards the unfinished part, so that
-  /// every pixel has the same number of samples. Returns kInvalid before set_scene(), and
+  /// asks `stop`, and returns early if that is true. The unfinished part is not in the picture, so
+  /// that every pixel has the same number of samples; the CPU continues it in the next call, and a
+  /// GPU begins it again. Returns kInvalid before set_scene(), and
   /// kOutOfMemory or kDeviceLost if the device fails.
   virtual Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) = 0;
   virtual Progress progress() const = 0;

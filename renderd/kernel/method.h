@@ -21,7 +21,7 @@ enum class Mis : std::uint8_t {
 };
 
 /// Choices of the estimator. All have the same mean and differ in variance and cost. The server
-/// uses kLiveMethod and kServerMethod; the others exist for comparison.
+/// uses the three methods below; the others exist for comparison.
 struct Method {
   Walk walk = Walk::kAuto;
   bool low_discrepancy = true;  ///< false: independent points (math/points.h)
@@ -31,13 +31,15 @@ struct Method {
   bool operator==(const Method&) const = default;
 };
 
-/// The method for interactive pictures of one device. On the CPU a sample by tracking is several
-/// times as fast as one by the exact walk, so it answers a gesture. The exact walk reaches the same
-/// error in a fraction of the time, so it renders pictures at rest. On a GPU even the exact walk
-/// needs only a few milliseconds per sample.
+/// The method for pictures that a user waits for: interactive ones and thumbnails. On the CPU a
+/// sample by tracking is several times as fast as one by the exact walk, so it answers a gesture.
+/// The exact walk reaches the same error in a fraction of the time, so it renders pictures at rest.
+/// On a GPU even the exact walk needs only a few milliseconds per sample.
 inline constexpr Method kLiveMethod{.walk = Walk::kDraft};
-/// The method for everything else that the server renders. Samples of several devices are merged
-/// with equal weights, so all of them must come from one estimator.
-inline constexpr Method kServerMethod{.walk = Walk::kSoonest};
+/// The method for pictures and videos in files, which no user sees before they have their error.
+inline constexpr Method kFileMethod{.walk = Walk::kAuto};
+/// The method for pictures that several devices render. Their samples are merged with equal
+/// weights, so all of them must come from one estimator.
+inline constexpr Method kSharedMethod{.walk = Walk::kSoonest};
 
 }  // namespace diaphane::render

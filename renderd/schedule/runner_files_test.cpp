@@ -70,6 +70,7 @@ TEST_F(RunnerFilesTest, FilePausesWhileASessionMoves) {
   ASSERT_EQ(finished.wait_for(60s), std::future_status::ready);
   EXPECT_NEAR(finished.get(), 0.5 / std::sqrt(10.0), 1e-9);
   EXPECT_GT(charged, 0.03) << "ten samples of 4 ms, to whom asked for them";
+  EXPECT_EQ(files->scenes, 1) << "a renderer can continue the sample that was interrupted";
 }
 
 TEST_F(RunnerFilesTest, LaterStillsOvertakeAFile) {

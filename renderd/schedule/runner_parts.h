@@ -40,6 +40,7 @@ struct Runner::SessionEntry {
 
 struct Runner::PendingStill {
   StillJob job;
+  bool prepared = false;  // the renderer has the scene
   std::uint64_t samples = 0;
 };
 

@@ -41,12 +41,13 @@ void Runner::render_still(WorkItem& item, ProgressMonitor::Work& work) {
   StillJob& job = item.still->job;
   const Time start = clock_.now();
   const double before = own_seconds(item);
-  if (item.still->samples == 0) {
+  if (!item.still->prepared) {
     job.renderer->prepare_denoising(job.smoothed);
     if (const auto taken = job.renderer->set_scene(*job.scene, job.canvas); !taken) {
       item.failed = taken.error();
       return;
     }
+    item.still->prepared = true;
   }
   const auto batch = job.renderer->render(item.samples, [&] {
     work.heartbeat();

@@ -113,7 +113,7 @@ void AssistHost::Session::volume_ready(const v1::AssistOpen& open,
                                        Result<VolumeCache::Handle> volume) {
   if (!volume) return end(volume.error());
   auto renderer = renderer_of_one_device(host_.engine_, *volume, open.seed(), open.first_sample(),
-                                         kServerMethod);
+                                         kSharedMethod);
   if (!renderer) return end(renderer.error());
   const std::lock_guard lock(mutex_);
   if (!link_) return;

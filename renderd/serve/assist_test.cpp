@@ -63,7 +63,7 @@ class Assist : public testing::Test {
     ASSERT_TRUE(volume);
     loaded_ = *engine_->load(*volume);
     scene_ = presets_for(loaded_->header(), whole_box(loaded_->header()), true).front().scene();
-    renderer_ = *engine_->renderer(loaded_, 5, 0, kServerMethod);
+    renderer_ = *engine_->renderer(loaded_, 5, 0, kSharedMethod);
     ASSERT_TRUE(renderer_->set_scene(scene_, kCanvas));
   }
   ~Assist() override {
@@ -88,7 +88,7 @@ class Assist : public testing::Test {
   double off() {
     const auto one = make_cpu_engine(2);
     const auto volume = volume::read(store_.path + "/" + volume_, false);
-    const auto truth = *one->renderer(*one->load(*volume), 99, 0, kServerMethod);
+    const auto truth = *one->renderer(*one->load(*volume), 99, 0, kSharedMethod);
     EXPECT_TRUE(truth->set_scene(scene_, kCanvas));
     EXPECT_TRUE(truth->render(100, [] { return false; }));
     PictureRgb8 a, b;
@@ -223,7 +223,7 @@ TEST_F(Assist, HelperAssistsAsManyImagesAsFit) {
   source_->borrow({helper.address()});
   std::vector<std::unique_ptr<FrameRenderer>> more;
   for (int i = 0; i < 2; ++i) {
-    more.push_back(*engine_->renderer(loaded_, 6, 0, kServerMethod));
+    more.push_back(*engine_->renderer(loaded_, 6, 0, kSharedMethod));
     ASSERT_TRUE(more.back()->set_scene(scene_, kCanvas));
   }
   const auto step = [&] {

@@ -81,7 +81,7 @@ Result<LiveSession::File> LiveSession::begin_file(effect::StartFile& effect) {
   }
   auto maker = make_file_maker(effect.request, std::exchange(effect.keys, {}));
   DIAPHANE_TRY(maker);
-  auto renderer = parts_.engine.renderer(effect.volume, kFileSeed, 0, kServerMethod);
+  auto renderer = parts_.engine.renderer(effect.volume, kFileSeed, 0, kFileMethod);
   DIAPHANE_TRY(renderer);
   auto link = std::make_shared<FileLink>(weak_from_this(), effect.file);
   // The work owns the reservation, also while a lane still holds the work.

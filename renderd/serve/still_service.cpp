@@ -100,7 +100,7 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
     if (!preset) return order->answer(tl::unexpected(preset.error()));
     job.scene = std::make_shared<const v1::Scene>(preset->scene());
   }
-  auto renderer = engine_.renderer(*volume, kStillSeed, 0, kServerMethod);
+  auto renderer = engine_.renderer(*volume, kStillSeed, 0, kLiveMethod);
   if (!renderer) return order->answer(tl::unexpected(renderer.error()));
   job.renderer = std::move(*renderer);
   job.canvas = order->canvas;

@@ -135,6 +135,8 @@ struct Picture {
   /// A finished draft, until the error of the film after it is known.
   std::unique_ptr<OwnedFilm> draft;
   std::uint64_t draft_samples = 0;  ///< of the finished draft
+  /// Tiles of the next sample that are done already. A sample that was stopped continues there.
+  std::uint32_t tiles_done = 0;
   double seconds = 0;
 };
 
@@ -222,6 +224,7 @@ class CpuFrameRenderer final : public FrameRenderer {
     if (method_.walk == Walk::kDraft) return FilmExchange::set_share(share);
     if (auto done = picture_->film().set_share(share); !done) return done;
     share_ = share;
+    picture_->tiles_done = 0;
     return {};
   }
 
@@ -327,7 +330,7 @@ class CpuFrameRenderer final : public FrameRenderer {
   /// Returns the factor of the radiance on the display.
   float scale() const { return display_scale(picture_->prepared.exposure + stops()); }
 
-  /// Fills the film's samples. Returns false if stopped, in which case the samples are invalid.
+  /// Fills the film's samples. Returns false if stopped; the next call then continues.
   bool one_sample(const std::function<bool()>& stop) {
     const PreparedScene& s = picture_->prepared;
     const PreparedTransfer& t = *s.transfer;
@@ -356,15 +359,18 @@ class CpuFrameRenderer final : public FrameRenderer {
     const std::uint32_t tiles_y = (last_row - first_row + kWorkTile - 1) / kWorkTile;
     const std::uint64_t sample = film.drawn();
     Sample* samples = film.samples();
-    return threads_.run(
-        tiles_x * tiles_y,
+    const std::uint32_t tiles = tiles_x * tiles_y;
+    const std::uint32_t done = threads_.run(
+        tiles,
         [&](std::uint32_t tile) {
           const std::uint32_t x = tile % tiles_x * kWorkTile;
           const std::uint32_t y = first_row + tile / tiles_x * kWorkTile;
           kernel(view, CpuTile{x, y, std::min(x + kWorkTile, size.width),
                                std::min(y + kWorkTile, last_row), sample, samples, guides});
         },
-        stop);
+        stop, picture_->tiles_done);
+    picture_->tiles_done = done < tiles ? done : 0;
+    return done == tiles;
   }
 
   std::shared_ptr<ThreadPool> pool_;

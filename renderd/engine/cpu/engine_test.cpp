@@ -86,7 +86,7 @@ TEST(CpuEngine, DisjointSampleRangesHaveIndependentErrors) {
   EXPECT_LT(std::abs(std::atanh(r)), 4.42 / std::sqrt(pixels - 3.0) + 4.0 / 260);
 }
 
-TEST(CpuEngine, StopsBetweenTilesAndDiscardsUnfinishedSamples) {
+TEST(CpuEngine, StopsBetweenTilesAndContinuesThere) {
   const volume::Volume volume = test::skull_volume();
   Session s = session(volume);
   ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), kCanvas));
@@ -105,6 +105,19 @@ TEST(CpuEngine, StopsBetweenTilesAndDiscardsUnfinishedSamples) {
   ASSERT_EQ(s.renderer->render(4 - ended, nullptr)->samples, 4 - ended);
   EXPECT_EQ(radiance(*s.renderer), rendered(volume, test::skull_scene(), 7))
       << "as if nothing had been stopped";
+}
+
+TEST(CpuEngine, SampleThatIsStoppedAtEachTileEnds) {
+  const volume::Volume volume = test::skull_volume();
+  Session s = session(volume);
+  ASSERT_TRUE(s.renderer->set_scene(test::skull_scene(), kCanvas));
+  std::uint32_t samples = 0;
+  for (int call = 0; call < 10000 && samples == 0; ++call) {
+    int asked = 0;
+    samples = s.renderer->render(1, [&] { return ++asked > 1; })->samples;
+  }
+  ASSERT_EQ(samples, 1u);
+  EXPECT_EQ(radiance(*s.renderer), rendered(volume, test::skull_scene(), 1));
 }
 
 TEST(CpuEngine, RefusedSceneKeepsImageAndProgress) {

@@ -33,16 +33,18 @@ ThreadPool::~ThreadPool() {
   for (std::thread& t : workers_) t.join();
 }
 
-bool ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
-                     const std::function<bool()>& before_each, unsigned precedence) {
+std::uint32_t ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
+                              const std::function<bool()>& before_each, unsigned precedence,
+                              std::uint32_t first) {
   const std::atomic<unsigned> fixed(std::min(precedence, kPrecedences - 1));
-  return run(count, work, before_each, fixed);
+  return run(count, work, before_each, fixed, first);
 }
 
-bool ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
-                     const std::function<bool()>& before_each,
-                     const std::atomic<unsigned>& precedence) {
-  Loop loop{.work = work, .count = count, .precedence = precedence, .nice = nice_value()};
+std::uint32_t ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
+                              const std::function<bool()>& before_each,
+                              const std::atomic<unsigned>& precedence, std::uint32_t first) {
+  Loop loop{
+      .work = work, .count = count, .precedence = precedence, .nice = nice_value(), .next{first}};
   {
     std::lock_guard lock(mutex_);
     loop.counted = precedence;
@@ -56,7 +58,7 @@ bool ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t
   loops_.remove(&loop);
   loop.end.wait(lock, [&] { return loop.busy == 0; });
   count_loop(loop.counted, -1);
-  return !loop.stopped;
+  return std::min<std::uint32_t>(loop.next, count);
 }
 
 void ThreadPool::raise(std::atomic<unsigned>& precedence, unsigned value) {

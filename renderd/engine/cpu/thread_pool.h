@@ -32,15 +32,19 @@ class ThreadPool {
 
   unsigned threads() const { return static_cast<unsigned>(workers_.size()) / 2 + 1; }
 
-  /// Calls `work(i)` once for each i in [0, count), in any order, and returns when all calls have
-  /// returned. Calls `before_each`, if there is one, only on the calling thread: before each of its
-  /// pieces, and repeatedly during a pause. If it returns true, the pieces that have not begun are
-  /// skipped and the result is false. `work` must not throw and must not call run().
-  bool run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
-           const std::function<bool()>& before_each = nullptr, unsigned precedence = 0);
+  /// Calls `work(i)` once for each i in [first, count), in any order, and returns when all calls
+  /// have returned. Calls `before_each`, if there is one, only on the calling thread: before each
+  /// of its pieces, and repeatedly during a pause. If it returns true, the pieces that have not
+  /// begun are skipped. Returns the first piece that has not been called, so that another loop can
+  /// begin there; it is `count` unless the loop was stopped. `work` must not throw and must not
+  /// call run().
+  std::uint32_t run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
+                    const std::function<bool()>& before_each = nullptr, unsigned precedence = 0,
+                    std::uint32_t first = 0);
   /// As above, with a precedence that raise() can change while the loop runs.
-  bool run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
-           const std::function<bool()>& before_each, const std::atomic<unsigned>& precedence);
+  std::uint32_t run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
+                    const std::function<bool()>& before_each,
+                    const std::atomic<unsigned>& precedence, std::uint32_t first = 0);
   /// Raises `precedence` to at least `value`, also for loops that run with it. Thread-safe.
   void raise(std::atomic<unsigned>& precedence, unsigned value);
 
@@ -97,9 +101,9 @@ class RendererThreads {
   void raise_precedence(unsigned precedence) {
     pool_.raise(precedence_, std::min(precedence, ThreadPool::kPrecedences - 1));
   }
-  bool run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
-           const std::function<bool()>& before_each = nullptr) {
-    return pool_.run(count, work, before_each, precedence_);
+  std::uint32_t run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
+                    const std::function<bool()>& before_each = nullptr, std::uint32_t first = 0) {
+    return pool_.run(count, work, before_each, precedence_, first);
   }
 
  private:

@@ -18,18 +18,30 @@ TEST(ThreadPool, RunsEachPieceOnce) {
   ThreadPool pool(4);
   for (const std::uint32_t count : {0u, 1u, 3u, 64u, 1000u}) {
     std::vector<std::atomic<int>> calls(count);
-    EXPECT_TRUE(pool.run(count, [&](std::uint32_t i) { ++calls[i]; }));
+    EXPECT_EQ(pool.run(count, [&](std::uint32_t i) { ++calls[i]; }), count);
     for (const auto& each : calls) EXPECT_EQ(each, 1);
   }
 }
 
-TEST(ThreadPool, StopSkipsPiecesThatHaveNotStarted) {
-  // Other threads might finish all pieces before the first check.
-  ThreadPool pool(1);
-  std::atomic<int> done{0};
-  EXPECT_FALSE(pool.run(
-      1000, [&](std::uint32_t) { ++done; }, [&] { return done >= 10; }));
-  EXPECT_LT(done, 1000);
+TEST(ThreadPool, StoppedLoopContinuesWithThePiecesThatHaveNotStarted) {
+  for (const unsigned threads : {1u, 3u}) {
+    ThreadPool pool(threads);
+    constexpr std::uint32_t kPieces = 100000;
+    std::vector<std::atomic<int>> calls(kPieces);
+    std::atomic<bool> begun{false};
+    const auto piece = [&](std::uint32_t i) {
+      ++calls[i];
+      begun = true;
+    };
+    const std::uint32_t next = pool.run(kPieces, piece, [&] { return begun.load(); });
+    // Other threads may do all pieces before the caller asks.
+    if (threads == 1) {
+      EXPECT_LT(next, kPieces);
+    }
+    for (std::uint32_t i = 0; i < kPieces; ++i) ASSERT_EQ(calls[i], i < next ? 1 : 0);
+    EXPECT_EQ(pool.run(kPieces, piece, nullptr, 0, next), kPieces);
+    for (const auto& each : calls) EXPECT_EQ(each, 1);
+  }
 }
 
 TEST(ThreadPool, LoopsOfTwoCallersRunConcurrently) {
@@ -48,7 +60,7 @@ constexpr std::uint32_t kEndless = 1u << 30;
 struct BackgroundLoop {
   BackgroundLoop(ThreadPool& pool, std::uint32_t pieces, unsigned precedence = 0)
       : thread([this, &pool, pieces, precedence] {
-          finished = pool.run(
+          const std::uint32_t next = pool.run(
               pieces,
               [this](std::uint32_t) {
                 ++begun;
@@ -59,6 +71,7 @@ struct BackgroundLoop {
                 return stop.load();
               },
               precedence);
+          finished = next == pieces;
         }) {
     while (begun == 0) std::this_thread::yield();
   }
