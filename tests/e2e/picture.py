@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from playwright.sync_api import Locator, Page, expect
@@ -11,8 +12,10 @@ from playwright.sync_api import Locator, Page, expect
 from harness import TestStack
 
 SIDE = 128
+#: Relative error of pictures that are compared.
+COMPARED_ERROR = 0.05
 #: Mean difference per channel, of 255, between two renderings of one view with few samples: twice the value of test_take_away.py,
-#: which uses many.
+#: which uses COMPARED_ERROR.
 ALIKE = 4.0
 
 
@@ -76,15 +79,24 @@ def spread(a: bytes) -> float:
 
 def wait_for_samples(stack: TestStack, page: Page, samples: int, input_seq: int = 0, timeout: float = 120) -> Facts:
     """Waits for a picture with at least this many samples that shows the given input or a newer one."""
+    return _wait_for(stack, page, lambda now: now.samples >= samples, input_seq, timeout, f"a picture of {samples} samples")
 
+
+def wait_for_picture(stack: TestStack, page: Page, input_seq: int = 0, timeout: float = 120) -> Facts:
+    """Waits for a picture that can be compared: its error is at most COMPARED_ERROR, however many samples that takes."""
+    what = f"a picture with an error of {COMPARED_ERROR:.0%}"
+    return _wait_for(stack, page, lambda now: now.samples > 0 and now.error <= COMPARED_ERROR, input_seq, timeout, what)
+
+
+def _wait_for(stack: TestStack, page: Page, good: Callable[[Facts], bool], input_seq: int, timeout: float, what: str) -> Facts:
     def enough() -> Facts | None:
         now = facts(page)
-        if now.samples >= samples and now.input_seq >= input_seq:
+        if good(now) and now.input_seq >= input_seq:
             return now
         page.wait_for_timeout(50)  # lets the page's events arrive
         return None
 
-    return stack.wait_until(enough, timeout=timeout, what=f"a picture of {samples} samples")
+    return stack.wait_until(enough, timeout=timeout, what=what)
 
 
 def placed(handle: Locator) -> dict:

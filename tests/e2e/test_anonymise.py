@@ -9,7 +9,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import placed, wait_for_samples
+from picture import placed, wait_for_picture, wait_for_samples
 
 
 def value(page: Page, handle: str) -> float:
@@ -80,7 +80,7 @@ def test_a_face_is_removed_permanently(stack: TestStack, visit, cranium: Path, p
                       " FROM data_sets WHERE id = %s) d", data_set) == [(True, True)]
     page.get_by_role("link", name="View and share the scan").click()
     expect(page.locator("canvas[data-samples]")).to_be_visible()
-    wait_for_samples(stack, page, 8)
+    wait_for_picture(stack, page)
     page.screenshot(path=pictures / "cut-after.png")
     page.get_by_role("button", name="Share this scan").click()
     expect(page.get_by_role("button", name="Add to the gallery")).to_be_visible()

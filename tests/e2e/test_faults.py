@@ -10,9 +10,8 @@ from playwright.sync_api import expect
 
 from harness import StackFactory, TestStack
 from person import Person
-from picture import difference, drag, last_input, pixels, wait_for_samples
+from picture import difference, drag, last_input, pixels, wait_for_picture, wait_for_samples
 
-ENOUGH = 8  # samples per pixel, for pictures that are compared
 SAID = "We can’t reach Diaphane. Trying again…"
 #: Without the gateway, the page gets tickets but no connection.
 CUT = "Connection lost. Reconnecting…"
@@ -42,7 +41,7 @@ def test_a_killed_program_is_reported_and_the_page_recovers(shaken: TestStack, v
     drag(page, -260, 40)  # without api, Redis or Postgres, the picture follows at once; without the gateway, after it is back
     last = last_input(page)
     if program != "gateway":
-        wait_for_samples(stack, page, ENOUGH, input_seq=last)
+        wait_for_picture(stack, page, input_seq=last)
         expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     late = page.context.new_page()
     late.goto(f"{stack.url}/view/{scan}")
@@ -55,10 +54,10 @@ def test_a_killed_program_is_reported_and_the_page_recovers(shaken: TestStack, v
     if program == "gateway":
         # What was dragged meanwhile is sent and numbered once the page has reconnected.
         last = stack.wait_until(lambda: last_input(page), what="the drag to be sent")
-    turned = wait_for_samples(stack, page, ENOUGH, input_seq=last)
+    turned = wait_for_picture(stack, page, input_seq=last)
     seen = pixels(page)
     page.reload()
-    wait_for_samples(stack, page, ENOUGH, input_seq=turned.input_seq)
+    wait_for_picture(stack, page, input_seq=turned.input_seq)
     assert difference(seen, pixels(page)) < 3
     page.get_by_role("link", name="My scans").click()
     expect(person.card("Head")).to_have_attribute("data-state", "ready")

@@ -36,7 +36,7 @@ def check_cube(hands: Hands) -> None:
 def check_curve(hands: Hands, pictures: Path) -> None:
     page = hands.page
     page.get_by_role("region", name="Quality", exact=True).get_by_text("Details", exact=True).click()
-    wait_for_samples(hands.stack, page, 12, input_seq=hands.kept()[1])
+    wait_for_samples(hands.stack, page, 6, input_seq=hands.kept()[1])
     table = saved(page, "CSV").splitlines()
     assert any("root mean square" in line for line in table if line.startswith("# "))
     assert "samples,seconds,error" in table

@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 
 from harness import REPO, TestStack
 from person import PASSWORD, Person
-from picture import difference, last_input, pixels, wait_for_samples
+from picture import difference, last_input, pixels, wait_for_picture, wait_for_samples
 
 AXE = REPO / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
 #: Completely inside the window and their row.
@@ -112,15 +112,15 @@ def test_everything_works_by_keyboard(stack: TestStack, visit, cranium: Path):
     start = pixels(page)
     for _ in range(8):
         page.keyboard.press("ArrowRight")
-    turned = wait_for_samples(stack, page, 8, input_seq=last_input(page))  # one step alone changes little
+    turned = wait_for_picture(stack, page, input_seq=last_input(page))  # one step alone changes little
     assert difference(start, pixels(page)) > 3
 
     page.keyboard.press("3")
-    bone = wait_for_samples(stack, page, 8, input_seq=turned.input_seq + 1)
+    bone = wait_for_picture(stack, page, input_seq=turned.input_seq + 1)
     expect(page.locator(".preset[aria-pressed=true]")).to_have_attribute("data-preset", "bone")
 
     page.keyboard.press("r")
-    wait_for_samples(stack, page, 8, input_seq=bone.input_seq + 1)
+    wait_for_picture(stack, page, input_seq=bone.input_seq + 1)
     page.keyboard.press("s")
     page.get_by_label("Size").select_option("other")
     page.get_by_label("Width").fill("120")

@@ -12,9 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SIDE, kept_view, pixels, spread, wait_for_samples
-
-SAMPLES = 6  # halves of the picture are means of a hundred thousand pixels
+from picture import SIDE, kept_view, pixels, spread, wait_for_picture, wait_for_samples
 
 
 class Hands:
@@ -66,7 +64,7 @@ class Hands:
 
     def picture(self) -> bytes:
         """Returns the picture of the current scene."""
-        wait_for_samples(self.stack, self.page, SAMPLES, input_seq=self.kept()[1])
+        wait_for_picture(self.stack, self.page, input_seq=self.kept()[1])
         return pixels(self.page)
 
 

@@ -10,9 +10,7 @@ from playwright.sync_api import expect
 from canaries import canaries_below, canaries_in
 from harness import TestStack, contents_below
 from person import Person
-from picture import difference, drag, facts, kept_view, last_input, listen, pixels, spread, wait_for_samples, wait_said
-
-ENOUGH = 8  # samples per pixel; at 128 x 128 the noise is far below the changes of a rotation
+from picture import difference, drag, facts, kept_view, last_input, listen, pixels, spread, wait_for_picture, wait_for_samples, wait_said
 
 
 def test_a_user_uploads_views_and_reopens_a_scan(stack: TestStack, visit, cranium: Path, pictures: Path):
@@ -31,7 +29,7 @@ def test_a_user_uploads_views_and_reopens_a_scan(stack: TestStack, visit, craniu
 
     # The picture appears, is not empty, and its error falls.
     early = wait_for_samples(stack, page, 2)
-    rested = wait_for_samples(stack, page, ENOUGH)
+    rested = wait_for_picture(stack, page)
     first = pixels(page)
     assert spread(first) > 5
     later = wait_for_samples(stack, page, 2 * rested.samples)
@@ -48,7 +46,7 @@ def test_a_user_uploads_views_and_reopens_a_scan(stack: TestStack, visit, craniu
     # A drag changes it by more than its noise.
     before = facts(page)
     drag(page, 220, 60)
-    turned = wait_for_samples(stack, page, ENOUGH, input_seq=last_input(page))
+    turned = wait_for_picture(stack, page, input_seq=last_input(page))
     second = pixels(page)
     assert turned.epoch > before.epoch
     assert difference(first, second) > 5 * max(noise, 0.2)
@@ -58,7 +56,7 @@ def test_a_user_uploads_views_and_reopens_a_scan(stack: TestStack, visit, craniu
     session = kept_view(page)["session_id"]
     last = last_input(page)
     page.reload()
-    again = wait_for_samples(stack, page, ENOUGH, input_seq=last)
+    again = wait_for_picture(stack, page, input_seq=last)
     assert again.input_seq == last
     assert difference(second, pixels(page)) < 0.4 * difference(first, second)
     assert session == kept_view(page)["session_id"]
@@ -127,10 +125,10 @@ def test_a_lost_renderer_is_reported_and_the_picture_returns(stack_factory, visi
     person.has_scan(cranium, "Head")
     person.open_scan("Head")
     page = person.page
-    wait_for_samples(stack, page, ENOUGH)
+    wait_for_picture(stack, page)
     first = pixels(page)
     drag(page, -260, 40)
-    turned = wait_for_samples(stack, page, ENOUGH, input_seq=last_input(page))
+    turned = wait_for_picture(stack, page, input_seq=last_input(page))
     before = pixels(page)
 
     # It may be said for 120 ms only: while no worker is there, the next request for a ticket gives another reason.
@@ -138,7 +136,7 @@ def test_a_lost_renderer_is_reported_and_the_picture_returns(stack_factory, visi
     stack.kill("renderd")
     wait_said(stack, page, "Reconnecting")
     expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
-    again = wait_for_samples(stack, page, ENOUGH, input_seq=turned.input_seq)
+    again = wait_for_picture(stack, page, input_seq=turned.input_seq)
     assert again.input_seq >= turned.input_seq
     # The same view, apart from noise, and not the one that the session began with.
     assert difference(before, pixels(page)) < 0.2 * difference(first, before)

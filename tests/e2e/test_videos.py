@@ -15,7 +15,7 @@ from playwright.sync_api import Page, expect
 from harness import TestStack, files_below
 from devtool.ingest_cases.phantom import Series, dataset, markers, stack as slices, write
 from person import Person
-from picture import drag, last_input, listen, wait_for_samples, wait_said
+from picture import drag, last_input, listen, wait_for_picture, wait_for_samples, wait_said
 from test_take_away import chunks, hide_message, live_answers, wait_for_sessions
 
 
@@ -60,7 +60,7 @@ def opened_as_bone(stack: TestStack, page: Page, name: str, folder: Path, title:
     scan = Person.arrives(stack, page, name).has_scan(folder, title)
     page.goto(f"{stack.url}/view/{scan}")
     page.get_by_role("button", name="Bone", exact=True).click()
-    wait_for_samples(stack, page, 8, input_seq=1)
+    wait_for_picture(stack, page, input_seq=1)
     return scan
 
 
