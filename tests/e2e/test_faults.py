@@ -79,7 +79,7 @@ def test_a_network_outage_is_reported_and_the_stream_recovers(stack: TestStack, 
     expect(page.get_by_text("Connection lost")).to_have_count(0)
 
 
-def test_the_list_of_scans_says_that_the_server_is_away_and_recovers(shaken: TestStack, visit, cranium: Path, pictures: Path, request):
+def test_the_list_of_scans_says_that_the_server_is_unavailable_and_recovers(shaken: TestStack, visit, cranium: Path, pictures: Path, request):
     person = Person.arrives(shaken, visit(), "anna")
     page = person.page
     person.has_scan(cranium, "Head")

@@ -5,7 +5,7 @@ import { isOpen } from "../api/upload_view";
 import { t } from "../texts";
 import { useApp, type AppState } from "./state";
 
-/** So that a person who looks at the list knows within 3 s that the server is away. */
+/** So that a person who looks at the list knows within 3 s that the server is unavailable. */
 const pollMs = { idle: 2500, hidden: 15_000, changing: 1500, failed: 2500 } as const;
 
 /** The user's scans. The list is polled, more often while one of them changes. */
