@@ -210,10 +210,14 @@ SessionHost::Session SessionHost::evict(bool for_visitor) {
   return std::move(sessions_.extract(*chosen).mapped());
 }
 
+// A visitor who left gives way to anybody (to_evict), so their session does not count. Otherwise
+// two of them could keep a guest from a camera of their own for half a minute.
 std::size_t SessionHost::visitors() const {
   return static_cast<std::size_t>(
-      std::count_if(sessions_.begin(), sessions_.end(),
-                    [](const auto& one) { return one.second->status().visitor; }));
+      std::count_if(sessions_.begin(), sessions_.end(), [](const auto& one) {
+        const SessionStatus status = one.second->status();
+        return status.visitor && (one.second->facts().camera_only || !status.abandoned_for);
+      }));
 }
 
 std::size_t SessionHost::cameras_of(const std::string& link) const {

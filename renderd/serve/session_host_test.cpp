@@ -76,6 +76,19 @@ struct HostTest : testing::Test {
     viewer.say(hello_message());
     return viewer;
   }
+  /// Returns false if no place for a visitor is free.
+  bool visit(const std::string& session, Viewer& viewer) {
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(volume);
+    open.set_placement(1);
+    open.set_visitor(true);
+    auto opened = worker->host().open(open, viewer.link);
+    if (!opened) return false;
+    viewer.attachment = std::move(*opened);
+    viewer.say(hello_message());
+    return true;
+  }
   Result<Attachment> try_open(const std::string& session, std::uint64_t placement = 1) {
     v1::Open open;
     open.set_session_id(session);
@@ -455,21 +468,29 @@ TEST_F(HostTest, LimitsGuestCamerasToAQuarterOfTheSlotsAndDisplacesThem) {
       << "account holders do not displace each other";
 }
 
+TEST_F(HostTest, VisitorWhoLeftDoesNotKeepAGuestFromACamera) {
+  options.host.slots = 4;
+  restart();
+  const std::string id = new_id();
+  Viewer owner = attach(id), visitor;
+  ASSERT_TRUE(visit(new_id(), visitor));
+  Viewer guest = join(id);
+  ASSERT_TRUE(guest.link->inbox.next_of(Kind::kConfig));
+  v1::ClientMessage own;
+  own.mutable_free_camera()->set_on(true);
+  guest.say(own);
+  ASSERT_TRUE(guest.refusal()) << "the only place for visitors is taken";
+  visitor.attachment->closed();
+  EXPECT_EQ(worker->host().used(), 2U) << "the visitor may return";
+  guest.say(own);
+  const auto config = guest.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  EXPECT_FALSE(config->config().follower());
+}
+
 TEST_F(HostTest, AccountHolderDisplacesVisitorWithAReason) {
   options.host.slots = 4;
   restart();
-  const auto visit = [&](const std::string& session, Viewer& viewer) {
-    v1::Open open;
-    open.set_session_id(session);
-    open.set_volume_id(volume);
-    open.set_placement(1);
-    open.set_visitor(true);
-    auto opened = worker->host().open(open, viewer.link);
-    if (!opened) return false;
-    viewer.attachment = std::move(*opened);
-    viewer.say(hello_message());
-    return true;
-  };
   Viewer visitor, another;
   ASSERT_TRUE(visit(new_id(), visitor));
   EXPECT_FALSE(visit(new_id(), another)) << "one of four slots is the visitors'";

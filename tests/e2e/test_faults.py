@@ -76,3 +76,19 @@ def test_a_network_outage_is_reported_and_the_stream_recovers(stack: TestStack, 
     expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     wait_for_samples(stack, page, 1, input_seq=before.input_seq + 1)
     expect(page.get_by_text("Connection lost")).to_have_count(0)
+
+
+def test_the_list_of_scans_says_that_the_server_is_unavailable_and_recovers(shaken: TestStack, visit, cranium: Path, pictures: Path, request):
+    person = Person.arrives(shaken, visit(), "anna")
+    page = person.page
+    person.has_scan(cranium, "Head")
+    said = page.get_by_text("The Diaphane server can’t be reached at the moment. Your scans are safe")
+    expect(said).to_have_count(0)
+    request.addfinalizer(lambda: shaken.start("api"))
+    shaken.kill("api", restart=False)
+    expect(said).to_be_visible()
+    expect(person.card("Head")).to_be_visible()
+    page.screenshot(path=pictures / "scans-server-away.png")
+    shaken.start("api")
+    expect(said).to_have_count(0)
+    expect(person.card("Head")).to_have_attribute("data-state", "ready")

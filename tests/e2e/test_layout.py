@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, WebSocketRoute, expect
 
 from harness import TestStack
 from person import Person
+from picture import wait_for_samples
 from test_in_picture import open_scan
+from test_live_session import MARGINS
 
 WINDOWS = {"en": ("Materials", "Light", "Lens and quality", "Cuts and slices", "Marks"),
            "de": ("Materialien", "Licht", "Objektiv und Qualität", "Schnitte und Schichten", "Markierungen")}
@@ -33,6 +35,16 @@ TOP = """() => {
     }
     return NaN;
 }"""
+
+
+#: Runs in every page before it: keeps the margins (see MARGINS) of the first picture that it shows.
+KEEP_FIRST = f"""new MutationObserver(() => {{
+    const canvas = document.querySelector(".stage > canvas[data-samples]");
+    if (canvas) window.firstMargins ??= ({MARGINS})(canvas);
+}}).observe(document, {{ subtree: true, childList: true, attributes: true }})"""
+
+#: First bytes of messages of the stream (api/proto/stream.proto).
+HELLO, FRAME, ACK = 0x0A, 0x12, 0x1A
 
 
 @pytest.fixture
@@ -101,6 +113,41 @@ def test_a_preset_without_a_picture_says_so(opened, pictures: Path):
     page.set_viewport_size({"width": 800, "height": 400})
     close = dialog.get_by_role("button", name="Close").bounding_box()
     assert close["y"] + close["height"] <= 400
+
+
+def test_the_first_picture_on_a_phone_shows_the_whole_subject(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(phone=True)
+    scan = Person.arrives(stack, page, "phone").has_scan(cranium, "Head")
+
+    def delay(socket: WebSocketRoute) -> None:
+        """Delays what the page asks for until it has two pictures of the volume's own view, as a busy server does."""
+        server, waiting, frames = socket.connect_to_server(), [], []
+
+        def to_server(message: bytes) -> None:
+            if len(frames) >= 2 or message[0] in (HELLO, ACK):
+                server.send(message)
+            else:
+                waiting.append(message)
+
+        def to_page(message: bytes) -> None:
+            socket.send(message)
+            if message[0] == FRAME and len(frames) < 2:
+                frames.append(message)
+                if len(frames) == 2:
+                    for one in waiting:
+                        server.send(one)
+
+        socket.on_message(to_server)
+        server.on_message(to_page)
+
+    page.route_web_socket(lambda _: True, delay)
+    page.add_init_script(KEEP_FIRST)
+    page.goto(f"{stack.url}/view/{scan}")
+    first = wait_for_samples(stack, page, 1)
+    page.screenshot(path=pictures / "layout-phone-first.png")
+    left, right = page.evaluate("window.firstMargins")
+    assert 0.02 < left < 0.5 and 0.02 < right < 0.5, "the subject is wider than the window"
+    wait_for_samples(stack, page, first.samples + 1, first.input_seq)
 
 
 def test_a_disabled_link_leads_to_the_start_page(stack: TestStack, visit, pictures: Path):

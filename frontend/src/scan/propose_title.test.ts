@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { proposedTitle } from "./propose_title";
+import { proposedTitle, proposedTitles } from "./propose_title";
 
 const patient = { name: "Erika de Mustermann", id: "P-4711", birthDate: "" };
 const series = { description: "Head 0.6  H60s", bodyPart: "HEAD", modality: "CT", patient };
@@ -20,5 +20,20 @@ describe("the proposed title", () => {
     const title = proposedTitle({ ...series, description: "a".repeat(200) }, "3 Feb 2018");
     expect(title).toHaveLength(80);
     expect(title.endsWith(", 3 Feb 2018")).toBe(true);
+  });
+  it("is never the same for two series of a disc", () => {
+    const titlesOf = (...many: readonly Partial<typeof series & { date: string; seriesNumber: number | null }>[]) => {
+      const all = many.map((one, i) => ({ ...series, date: "3 Feb 2018", seriesNumber: null, key: `${i}`, ...one }));
+      return [...proposedTitles(all, (date) => date).values()];
+    };
+    expect(titlesOf({}, { description: "Lung" })).toEqual(["Head 0.6 H60s, 3 Feb 2018", "Lung, 3 Feb 2018"]);
+    expect(titlesOf({}, {})).toEqual(["Head 0.6 H60s (1), 3 Feb 2018", "Head 0.6 H60s (2), 3 Feb 2018"]);
+    expect(titlesOf({ seriesNumber: 4 }, { seriesNumber: 7 })).toEqual([
+      "Head 0.6 H60s (4), 3 Feb 2018",
+      "Head 0.6 H60s (7), 3 Feb 2018",
+    ]);
+    const bare = { description: "", bodyPart: "", modality: "" };
+    expect(titlesOf(bare, bare)).toEqual(["3 Feb 2018 (1)", "3 Feb 2018 (2)"]);
+    expect(titlesOf({ ...bare, date: "" }, { ...bare, date: "" })).toEqual(["", ""]);
   });
 });

@@ -1,3 +1,4 @@
+import { marksOfNames } from "./series_names";
 import type { Series } from "./types";
 
 /** As many characters as the server keeps. */
@@ -13,18 +14,28 @@ function namesPatient(text: string, { name, id }: Series["patient"]): boolean {
   return wordsOf(`${name} ${id}`).some((part) => part.length >= shortestNamePart && found.has(part));
 }
 
+type Titled = Pick<Series, "description" | "bodyPart" | "modality" | "patient">;
+
 /**
  * A title for the person to change or keep: what the series shows and its date, in the words of the scan.
  * Empty where the scan says neither. A description that names the patient is left out.
  * @param date as this person writes dates, or empty.
+ * @param mark tells the series from others with the same title, or is empty.
  */
-export function proposedTitle(
-  { description, bodyPart, modality, patient }: Pick<Series, "description" | "bodyPart" | "modality" | "patient">,
-  date: string,
-): string {
+export function proposedTitle({ description, bodyPart, modality, patient }: Titled, date: string, mark = ""): string {
   const shown = [description, [modality, bodyPart].filter(Boolean).join(" ")]
     .map((text) => text.replace(/[\s_]+/g, " ").trim())
     .find((text) => text !== "" && !namesPatient(text, patient));
-  const end = date === "" ? "" : `${shown ? ", " : ""}${date}`;
+  const end = date === "" ? mark : `${shown ? `${mark}, ` : ""}${date}${shown ? "" : mark}`;
   return ((shown ?? "").slice(0, longest - end.length) + end).slice(0, longest);
+}
+
+/** The proposed titles of series by their keys. No two are the same, so that their cards can be told apart. */
+export function proposedTitles(
+  series: readonly (Titled & Pick<Series, "key" | "seriesNumber" | "date">)[],
+  dateText: (date: string) => string,
+): ReadonlyMap<string, string> {
+  const titleOf = (one: Titled & Pick<Series, "date">, mark = "") => proposedTitle(one, dateText(one.date), mark);
+  const marks = marksOfNames(series, (one) => titleOf(one));
+  return new Map(series.map((one) => [one.key, titleOf(one) && titleOf(one, marks.get(one.key))]));
 }

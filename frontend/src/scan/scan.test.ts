@@ -144,6 +144,17 @@ describe("scanning a folder", () => {
     expect([...new Set(thumbnail?.gray)]).toEqual([127]);
   });
 
+  it("draws a CT of MONOCHROME1 like any other, and shows another negative as a positive", async () => {
+    const stored = new Uint8Array(new Uint16Array(64).fill(2064).buffer); // 1040 HU: white
+    const grayOf = async (modality: string, photometric: string) => {
+      const result = await scan(makeSeries(20, 1.5, () => ({ pixels: stored, modality, photometric })));
+      return result.series[0]?.thumbnail?.gray[0];
+    };
+    expect(await grayOf("CT", "MONOCHROME1")).toBe(await grayOf("CT", "MONOCHROME2"));
+    expect(await grayOf("CT", "MONOCHROME1")).toBe(255);
+    expect(await grayOf("MR", "MONOCHROME1")).toBe(0);
+  });
+
   it("ignores the bits above the stored ones, signed or not", async () => {
     const stored = new Uint8Array(new Uint16Array(64).fill(0xf000 | 2064).buffer); // 2064 - 1024: white; as 16 bits: far out
     for (const isSigned of [true, false]) {

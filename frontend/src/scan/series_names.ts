@@ -1,22 +1,33 @@
 import type { Series } from "./types";
 
+type Numbered = Pick<Series, "key" | "seriesNumber">;
+
 /**
- * A name for each series, by its key. Series with the same description are told apart by their numbers, and phases of
- * one series by their order.
+ * What tells series of the same name apart, by their keys: their numbers, or for phases of one series their order.
+ * Empty for a name that occurs once.
  */
+export function marksOfNames<One extends Numbered>(
+  series: readonly One[],
+  nameOf: (one: One) => string,
+): ReadonlyMap<string, string> {
+  const marks = new Map<string, string>();
+  for (const one of series) {
+    const sameName = series.filter((other) => nameOf(other) === nameOf(one));
+    const numbers = new Set(sameName.map(({ seriesNumber }) => seriesNumber));
+    const numbered = numbers.size === sameName.length && one.seriesNumber !== null;
+    const mark = numbered ? ` (${one.seriesNumber})` : ` (${sameName.indexOf(one) + 1})`;
+    marks.set(one.key, sameName.length === 1 ? "" : mark);
+  }
+  return marks;
+}
+
+/** A name for each series, by its key. No two are the same. */
 export function seriesNames(
   series: readonly Pick<Series, "key" | "description" | "fileName" | "seriesNumber">[],
   untitled: string,
 ): ReadonlyMap<string, string> {
   const nameOf = ({ description, fileName }: Pick<Series, "description" | "fileName">) =>
     description.trim() || fileName || untitled;
-  const names = new Map<string, string>();
-  for (const one of series) {
-    const sameName = series.filter((other) => nameOf(other) === nameOf(one));
-    const numbers = new Set(sameName.map(({ seriesNumber }) => seriesNumber));
-    const numbered = numbers.size === sameName.length && one.seriesNumber !== null;
-    const mark = sameName.length === 1 ? "" : numbered ? ` (${one.seriesNumber})` : ` (${sameName.indexOf(one) + 1})`;
-    names.set(one.key, nameOf(one) + mark);
-  }
-  return names;
+  const marks = marksOfNames(series, nameOf);
+  return new Map(series.map((one) => [one.key, nameOf(one) + (marks.get(one.key) ?? "")]));
 }

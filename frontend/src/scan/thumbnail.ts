@@ -15,8 +15,17 @@ export function drawThumbnail(slice: SliceHeader, pixels: ArrayBuffer): Thumbnai
   const size = { columns, rows, wide: wide / columns, tall: tall / rows };
   const scaled = (column: number, row: number) => read(row * columns + column) * slice.slope + slice.intercept;
   const drawn = draw(size, scaled, slice.window);
-  return slice.photometric === "MONOCHROME1" ? { ...drawn, gray: drawn.gray.map((level) => 255 - level) } : drawn;
+  return slice.photometric === "MONOCHROME1" && !hasUnits(slice)
+    ? { ...drawn, gray: drawn.gray.map((level) => 255 - level) }
+    : drawn;
 }
+
+/**
+ * Whether the values mean the same however the file wants them displayed, so that the server keeps them as well
+ * (ingest/dicom/classify.cpp): Hounsfield units, and the activity of a PET scan. Other values of MONOCHROME1 are those
+ * of a negative.
+ */
+const hasUnits = ({ modality }: SliceHeader): boolean => modality === "CT" || modality === "PT";
 
 /** The pixels of a slice, and the size of one in mm, because it need not be square. */
 interface PixelGrid {

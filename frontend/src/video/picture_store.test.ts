@@ -72,6 +72,18 @@ const showLossless = async (still: Still) => {
   await vi.waitFor(() => expect(acks).toContain(Number(still.seq)));
 };
 
+it("shows no picture from before its first input, and all of them once that was refused", async () => {
+  store.beginWith(2);
+  await show(frame(1, 1, { inputSeq: 1n }), frame(2, 1, { inputSeq: 1n }));
+  expect(store.picture.value).toBeNull();
+  await show(frame(3, 2, { inputSeq: 2n }));
+  expect(store.picture.value?.samples).toBe(30);
+  store.beginWith(9);
+  store.beginWith(0);
+  await show(frame(4, 3, { inputSeq: 2n }));
+  expect(store.picture.value?.samples).toBe(40);
+});
+
 beforeEach(() => {
   painted = [];
   exact = 0;

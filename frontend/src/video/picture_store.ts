@@ -32,6 +32,8 @@ export class PictureStore {
   private readonly pipeline: FramePipeline<Picture>;
   private readonly losslessAssembler: LosslessAssembler;
   private convergedEpoch = -1;
+  /** Pictures of earlier inputs are not shown. */
+  private firstInput = 0;
 
   constructor(
     private readonly painter: Pick<Painter, "paint" | "paintExactly" | "resize" | "png">,
@@ -86,6 +88,12 @@ export class PictureStore {
     this.pipeline.reset();
     this.losslessAssembler.reset();
     this.convergedEpoch = -1;
+    this.firstInput = 0;
+  }
+
+  /** Does not show pictures before that of an input, or with 0 shows all of them. */
+  beginWith(inputSeq: number): void {
+    this.firstInput = inputSeq;
   }
 
   resize(size: Viewport): void {
@@ -116,7 +124,7 @@ export class PictureStore {
   }
 
   private present(picture: Picture, frame: Frame): void {
-    if (this.losslessAssembler.shows(frame.epoch)) return;
+    if (this.losslessAssembler.shows(frame.epoch) || frame.inputSeq < this.firstInput) return;
     this.painter.paint(picture);
     this.lossless.value = null;
     const before = this.picture.value;

@@ -57,8 +57,11 @@ export class SceneEditor {
     this.steps.value = nothingYet;
   }
 
-  /** `untouched` means that nobody has edited the scene of this session yet. */
-  configured(config: Config, untouched: boolean): void {
+  /**
+   * `untouched` means that nobody has edited the scene of this session yet. Returns whether it was edited here, to fit
+   * into a narrow window.
+   */
+  configured(config: Config, untouched: boolean): boolean {
     this.presets.value = config.presets;
     const before = this.scene.value;
     if (!before || !config.scene || !sameScene(before, config.scene)) this.forgetSteps(); // the scene was changed elsewhere
@@ -66,7 +69,9 @@ export class SceneEditor {
     if (untouched) this.begun.value = config.scene ?? null;
     const { width, height } = this.parts.canvasSize();
     const home = untouched && width < height ? this.home() : null;
-    if (home && config.scene) this.setScene(withCamera(config.scene, home), null, true);
+    if (!home || !config.scene) return false;
+    this.setScene(withCamera(config.scene, home), null, true);
+    return true;
   }
 
   /** `held` means that the pointer is still down. */

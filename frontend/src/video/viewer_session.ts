@@ -377,6 +377,7 @@ export class ViewerSession {
       look: (scene) => this.editor.replace(scene),
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
       problem: ({ field, message }) => {
+        this.pictures.beginWith(0); // the first input may be the refused one
         // The presenter turned off the pointers or the marks of guests meanwhile.
         if (field !== "pointer" && field !== "marks") this.problem.value = problemText(field, message);
       },
@@ -419,7 +420,11 @@ export class ViewerSession {
     this.histogram.value = config.histogram ?? null;
     this.collaboration.connected();
     this.sharedMarks.connected();
-    this.editor.configured(config, !config.follower && config.inputSeq === 0n && this.client.inputSeq === 0);
+    const untouched = !config.follower && config.inputSeq === 0n && this.client.inputSeq === 0;
+    const firstInput = this.client.inputSeq + 1; // read first, because the editor may send this input at once
+    const isReframed = this.editor.configured(config, untouched);
+    // The worker has begun to render the volume's own view, which is too large for a narrow window.
+    if (isReframed) this.pictures.beginWith(firstInput);
     this.rememberSoon();
   }
 

@@ -1,5 +1,4 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import { proposedTitle } from "../scan/propose_title";
 import type { Recommendation } from "../scan/recommend";
 import type { ScanResult, Series, Suitable, Thumbnail } from "../scan/types";
 import { t } from "../texts";
@@ -13,6 +12,8 @@ import { useSeriesUpload } from "./use_series_upload";
 export interface SeriesCardProps {
   readonly series: Series;
   readonly name: string;
+  /** The proposed title. */
+  readonly title: string;
   readonly verdict: Suitable;
   readonly files: readonly File[];
   /** ScanResult.unpacked. */
@@ -26,7 +27,8 @@ export interface SeriesCardProps {
 }
 
 /** A series that can be uploaded: its facts, and the form for uploading it. */
-export function SeriesCard({ series, name, verdict, files, unpacked, only, best, onReady }: SeriesCardProps) {
+export function SeriesCard(props: SeriesCardProps) {
+  const { series, name, title, verdict, files, unpacked, only, best, onReady } = props;
   const upload = useSeriesUpload(series, files, unpacked, only);
   return (
     <article class="series-card">
@@ -38,7 +40,7 @@ export function SeriesCard({ series, name, verdict, files, unpacked, only, best,
             {t.add.begun} <Link href="/scans">{t.titles.scans}</Link>
           </Notice>
         ) : (
-          <UploadForm series={series} upload={upload} onReady={onReady} />
+          <UploadForm title={title} upload={upload} onReady={onReady} />
         )}
         {upload.fault ? <Notice kind="bad">{upload.fault}</Notice> : null}
       </div>
@@ -82,15 +84,13 @@ function SeriesFacts({ series, name, verdict, bytes, best }: SeriesFactsProps) {
   );
 }
 
-interface UploadFormProps {
-  readonly series: Series;
+interface UploadFormProps extends Pick<SeriesCardProps, "title"> {
   readonly upload: ReturnType<typeof useSeriesUpload>;
   readonly onReady: SeriesCardProps["onReady"];
 }
 
 /** Asks for a title, unless an interrupted upload of the same files is resumed. */
-function UploadForm({ series, upload, onReady }: UploadFormProps) {
-  const [proposal] = useState(() => proposedTitle(series, dicomDateText(series.date)));
+function UploadForm({ title: proposal, upload, onReady }: UploadFormProps) {
   const [title, setTitle] = useState(proposal);
   const { busy, interruptedAt, start } = upload;
   useEffect(() => {

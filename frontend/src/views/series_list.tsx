@@ -1,8 +1,10 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { ScanResult, Series } from "../scan/types";
+import { proposedTitles } from "../scan/propose_title";
 import { recommend } from "../scan/recommend";
 import { seriesNames } from "../scan/series_names";
 import { t } from "../texts";
+import { dicomDateText } from "./format";
 import { SeriesCard } from "./series_card";
 import { Notice } from "./shell";
 
@@ -18,6 +20,7 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
   const hidden = result.series.filter((series) => !series.verdict.suitable);
   const best = recommend(suitable);
   const names = seriesNames(result.series, t.add.seriesUntitled);
+  const titles = proposedTitles(suitable, dicomDateText);
   suitable.sort((a, b) => Number(b.key === best?.key) - Number(a.key === best?.key));
   const heading = useRef<HTMLHeadingElement>(null);
   useEffect(() => heading.current?.focus(), []);
@@ -48,6 +51,7 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
               <SeriesCard
                 series={series}
                 name={names.get(series.key) ?? ""}
+                title={titles.get(series.key) ?? ""}
                 verdict={series.verdict}
                 files={files}
                 unpacked={result.unpacked}

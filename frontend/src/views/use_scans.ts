@@ -1,9 +1,12 @@
 import { useEffect, useState } from "preact/hooks";
+import { ApiProblem } from "../api/client";
 import type { DataSet } from "../api/types";
 import { isOpen } from "../api/upload_view";
+import { t } from "../texts";
 import { useApp, type AppState } from "./state";
 
-const pollMs = { idle: 15_000, changing: 1500, failed: 3000 } as const;
+/** So that a person who looks at the list knows within 3 s that the server is unavailable. */
+const pollMs = { idle: 2500, hidden: 15_000, changing: 1500, failed: 2500 } as const;
 
 /** The user's scans. The list is polled, more often while one of them changes. */
 export function useScans() {
@@ -24,20 +27,25 @@ export function useScans() {
         app.me.value = me; // the quota has changed with the list
         setFault("");
         for (const set of found) if (set.state !== "uploading") app.uploads.forgetSent(set.id);
-        wait = found.some((set) => isChanging(set, app)) ? pollMs.changing : pollMs.idle;
+        wait = found.some((set) => isChanging(set, app))
+          ? pollMs.changing
+          : document.hidden
+            ? pollMs.hidden
+            : pollMs.idle;
       } catch (thrown) {
         if (leaving.signal.aborted) return;
-        setFault(app.explain(thrown));
+        setFault(isServerAway(thrown) ? t.scans.serverAway : app.explain(thrown));
         wait = pollMs.failed;
       }
       timer = setTimeout(() => void load(), wait);
     };
-    // Reports a lost network immediately, and loads the list again when the network is back.
+    // Reports a lost network immediately, and loads the list again when the network is back or the page is looked at.
     const loadNow = () => {
       clearTimeout(timer);
       void load();
     };
     for (const event of ["online", "offline"]) addEventListener(event, loadNow, { signal: leaving.signal });
+    document.addEventListener("visibilitychange", () => document.hidden || loadNow(), { signal: leaving.signal });
     void load();
     return () => {
       leaving.abort();
@@ -60,6 +68,10 @@ export function useScans() {
   };
   return { sets, fault, remove, rename };
 }
+
+/** Elsewhere, these mean that what a person asked for has failed. The list is loaded again by itself. */
+const isServerAway = (thrown: unknown): boolean =>
+  thrown instanceof ApiProblem && (thrown.kind === "unavailable" || thrown.kind === "busy");
 
 const isChanging = (set: DataSet, app: AppState): boolean =>
   set.state === "queued" || set.state === "building" || app.uploads.views.peek().has(set.id);

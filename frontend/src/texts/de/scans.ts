@@ -82,6 +82,8 @@ export const scans: Texts["scans"] = {
     `Was von „${title}“ schon hochgeladen ist, wird sofort gelöscht. Ihre eigene CD bleibt davon unberührt.`,
   cancelYes: "Upload abbrechen",
   cancelNo: "Weiter hochladen",
+  serverAway:
+    "Der Diaphane-Server ist gerade nicht erreichbar. Ihre Aufnahmen sind sicher, und diese Seite versucht es weiter.",
   states: {
     uploading: "Wird hochgeladen",
     queued: "Wartet",

@@ -1,5 +1,20 @@
 import type { Texts } from "../shape";
 import { count, number } from "./counting";
+import { scans } from "./scans";
+
+const minutes = (seconds: number) => count(Math.max(1, Math.round(seconds / 60)), "Minute", "Minuten");
+const hours = (seconds: number) => count(Math.round(seconds / 3600), "Stunde", "Stunden");
+
+/** Says a time that lies between two numbers of seconds. */
+function between(least: number, most: number): string {
+  if (most < 50) return "weniger als eine Minute";
+  const last = most < 5400 ? minutes(most) : hours(most);
+  if (least < 50) return `bis zu ${last}`;
+  const first = least < 5400 ? minutes(least) : hours(least);
+  if (first === last) return `etwa ${last}`;
+  const alike = least < 5400 === most < 5400; // "4 bis 12 Minuten" says the unit once
+  return `etwa ${alike ? first.split(" ")[0] : first} bis ${last}`;
+}
 
 export const take: Texts["take"] = {
   title: "Speichern oder teilen",
@@ -65,14 +80,11 @@ export const take: Texts["take"] = {
     frames > 0
       ? `Für dieses Video ${frames === 1 ? "wird" : "werden"} ${count(frames, "Bild", "Bilder")} berechnet. Das verbraucht Rechenzeit.`
       : "Das verbraucht Rechenzeit.",
-  videoTime: (seconds) =>
-    seconds === null
+  videoTime: (time) =>
+    time === null
       ? "Sobald das Bild schärfer ist, steht hier, wie lange es dauern wird."
-      : seconds < 50
-        ? "Es dauert weniger als eine Minute, und länger, solange jemand ein Bild dreht."
-        : seconds < 3300
-          ? `Es dauert etwa ${count(Math.round(seconds / 60), "Minute", "Minuten")}, und länger, solange jemand ein Bild dreht.`
-          : `Es dauert etwa ${count(Math.round(seconds / 3600), "Stunde", "Stunden")}, und länger, solange jemand ein Bild dreht.`,
+      : `Es dauert ${between(time.least, time.most)}, und länger, solange jemand ein Bild dreht. Während der Berechnung sehen Sie, wie lange es noch dauert.`,
+  framesDone: (done, all, left) => `${done} von ${all}, ${scans.upload.left(left)}`,
   wrongSeconds: (most) => `Geben Sie eine ganze Zahl von 1 bis ${most} Sekunden ein.`,
   views: "Ansichten, in dieser Reihenfolge",
   viewNow: "Aktuelle Ansicht",

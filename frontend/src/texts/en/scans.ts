@@ -82,6 +82,7 @@ export const scans = {
     `Everything uploaded so far for “${title}” will be deleted immediately. Your own copy on the disc is not affected.`,
   cancelYes: "Cancel upload",
   cancelNo: "Keep uploading",
+  serverAway: "The Diaphane server can’t be reached at the moment. Your scans are safe, and this page keeps trying.",
   states: {
     uploading: "Uploading",
     queued: "Waiting",

@@ -1,4 +1,19 @@
 import { count, number } from "./counting";
+import { scans } from "./scans";
+
+const minutes = (seconds: number) => count(Math.max(1, Math.round(seconds / 60)), "minute", "minutes");
+const hours = (seconds: number) => count(Math.round(seconds / 3600), "hour", "hours");
+
+/** Says a time that lies between two numbers of seconds. */
+function between(least: number, most: number): string {
+  if (most < 50) return "less than a minute";
+  const last = most < 5400 ? minutes(most) : hours(most);
+  if (least < 50) return `up to ${last}`;
+  const first = least < 5400 ? minutes(least) : hours(least);
+  if (first === last) return `about ${last}`;
+  const alike = least < 5400 === most < 5400; // "4 to 12 minutes" says the unit once
+  return `about ${alike ? first.split(" ")[0] : first} to ${last}`;
+}
 
 /** Exports: pictures, videos and links to the current view. */
 export const take = {
@@ -61,14 +76,11 @@ export const take = {
     frames > 0
       ? `We’ll render ${count(frames, "picture", "pictures")} for this video. This uses your rendering time.`
       : "This uses your rendering time.",
-  videoTime: (seconds: number | null) =>
-    seconds === null
+  videoTime: (time: { readonly least: number; readonly most: number } | null) =>
+    time === null
       ? "As soon as the picture is sharper, we can say here how long it will take."
-      : seconds < 50
-        ? "It takes less than a minute, and longer while somebody turns a picture."
-        : seconds < 3300
-          ? `It takes about ${count(Math.round(seconds / 60), "minute", "minutes")}, and longer while somebody turns a picture.`
-          : `It takes about ${count(Math.round(seconds / 3600), "hour", "hours")}, and longer while somebody turns a picture.`,
+      : `It takes ${between(time.least, time.most)}, and longer while somebody turns a picture. While it is being made, you can see how much time is left.`,
+  framesDone: (done: number, all: number, left: number) => `${done} of ${all}, ${scans.upload.left(left)}`,
   wrongSeconds: (most: number) => `Enter a whole number of seconds between 1 and ${most}.`,
   views: "Views, in this order",
   viewNow: "Current view",

@@ -59,8 +59,20 @@ function Tools({ marks }: { readonly marks: Marks }) {
             {t.marks.kinds[kind]}
           </button>
         ))}
-        <IconButton icon="undo" label={t.settings.undo} disabled={!marks.canUndo.value} onClick={() => marks.undo()} />
-        <IconButton icon="redo" label={t.settings.redo} disabled={!marks.canRedo.value} onClick={() => marks.redo()} />
+        <span class="mark-steps">
+          <IconButton
+            icon="undo"
+            label={t.settings.undo}
+            disabled={!marks.canUndo.value}
+            onClick={() => marks.undo()}
+          />
+          <IconButton
+            icon="redo"
+            label={t.settings.redo}
+            disabled={!marks.canRedo.value}
+            onClick={() => marks.redo()}
+          />
+        </span>
       </div>
       <p class="hint" role="status">
         {tool === null ? "" : t.marks.press[tool]}

@@ -11,6 +11,7 @@ import { percentText } from "../../format";
 import type { Decorate } from "../../marks/in_pictures";
 import { Icon } from "../../icons";
 import { saveFile } from "./save_file";
+import { secondsLeft, withProgress, type ProgressMark } from "./time_left";
 
 const savedShownMs = 8000;
 
@@ -28,6 +29,9 @@ export interface Shot {
   /** Null if nothing is being rendered and no result is waiting to be read. */
   readonly state: State | null;
   readonly video: boolean;
+  /** The frames of a video, and 1 for a picture. */
+  readonly frames: number;
+  readonly progress: readonly ProgressMark[];
   readonly take: (order: ExportOrder) => void;
   readonly stop: () => void;
   readonly hide: () => void;
@@ -37,6 +41,8 @@ export interface Shot {
 export function useShot(place: Place): Shot {
   const [state, setState] = useState<State | null>(null);
   const [video, setVideo] = useState(false);
+  const [frames, setFrames] = useState(1);
+  const [progress, setProgress] = useState<readonly ProgressMark[]>([]);
   const work = useRef<Work | null>(null);
   const taking = useRef(false);
   const left = useRef(false);
@@ -51,9 +57,13 @@ export function useShot(place: Place): Shot {
   const take = async (order: ExportOrder) => {
     if (taking.current) return;
     taking.current = true;
-    setVideo(order.kind === "turntable" || order.kind === "tour");
+    const isVideo = order.kind === "turntable" || order.kind === "tour";
+    setVideo(isVideo);
+    setFrames(isVideo ? order.frames : 1);
+    setProgress([]);
     const tell = (now: State) => {
       taking.current = now.kind === "rendering";
+      if (now.kind === "rendering") setProgress((before) => withProgress(before, now.done, performance.now()));
       setState(now);
     };
     const begun = order.kind === "still" ? await still(order, place, tell) : file(order, place, tell);
@@ -64,6 +74,8 @@ export function useShot(place: Place): Shot {
   return {
     state,
     video,
+    frames,
+    progress,
     take: (order) => void take(order),
     stop: () => work.current?.stop(),
     hide,
@@ -114,7 +126,8 @@ async function still(order: StillOrder, place: Place, tell: (state: ShotState) =
 }
 
 /** The progress of the picture. */
-export function ShotLine({ shot: { state, video, stop, hide } }: { readonly shot: Shot }) {
+export function ShotLine({ shot }: { readonly shot: Shot }) {
+  const { state, video, hide } = shot;
   const text = video ? t.take.ofVideo : t.take.ofPicture;
   const expected = state?.kind === "done" || (state?.kind === "failed" && state.trouble === "stopped");
   useEffect(() => {
@@ -123,21 +136,7 @@ export function ShotLine({ shot: { state, video, stop, hide } }: { readonly shot
     return () => clearTimeout(timer);
   }, [expected, hide]);
   if (state === null) return null;
-  if (state.kind === "rendering") {
-    const percent = state.done === null ? "" : percentText(Math.floor(100 * state.done) / 100);
-    return (
-      <div class="glass pill shot-line" data-shot="rendering">
-        <span>{state.waits ? t.viewer.troubles[state.waits] : text.rendering}</span>
-        <progress aria-label={text.rendering} {...(state.done === null ? {} : { max: 1, value: state.done })} />
-        <span class="shot-percent" aria-hidden="true">
-          {percent}
-        </span>
-        <button type="button" class="button button-small" onClick={stop}>
-          {t.cancel}
-        </button>
-      </div>
-    );
-  }
+  if (state.kind === "rendering") return <RenderingLine shot={shot} state={state} />;
   return (
     <div
       class={`glass pill shot-line${state.kind === "failed" && state.trouble !== "stopped" ? " pill-bad" : ""}`}
@@ -147,6 +146,41 @@ export function ShotLine({ shot: { state, video, stop, hide } }: { readonly shot
       <span>{saidOf(state, text)}</span>
       <button type="button" class="icon-button" aria-label={t.take.hide} title={t.take.hide} onClick={hide}>
         <Icon name="close" />
+      </button>
+    </div>
+  );
+}
+
+interface RenderingLineProps {
+  readonly shot: Shot;
+  readonly state: Extract<State, { kind: "rendering" }>;
+}
+
+/** Says how much is done. A video takes minutes, so it also says how many are left. */
+function RenderingLine({ shot: { video, frames, progress, stop }, state: { done, waits } }: RenderingLineProps) {
+  const text = video ? t.take.ofVideo : t.take.ofPicture;
+  const left = secondsLeft(progress);
+  const soFar =
+    done === null || (video && left === null)
+      ? ""
+      : video
+        ? t.take.framesDone(Math.round(done * frames), frames, left ?? 0)
+        : percentText(Math.floor(100 * done) / 100);
+  return (
+    <div class="glass pill shot-line" data-shot="rendering">
+      <span class="shot-words">
+        <span>{waits ? t.viewer.troubles[waits] : text.rendering}</span>
+        <span class={video ? "shot-left" : "shot-percent"} aria-hidden="true">
+          {soFar}
+        </span>
+      </span>
+      <progress
+        aria-label={text.rendering}
+        {...(done === null ? {} : { max: 1, value: done })}
+        {...(video && soFar ? { "aria-valuetext": soFar } : {})}
+      />
+      <button type="button" class="button button-small" onClick={stop}>
+        {t.cancel}
       </button>
     </div>
   );

@@ -115,13 +115,14 @@ function FaultOrHint({ fault, entries, session }: FaultOrHintProps) {
     );
   const frames = (typedSeconds(entries.seconds) ?? 0) * Number(entries.rate);
   const size = videoSize(session.viewport, videoSides[entries.size]);
-  const seconds = shown && renderingSeconds(shown, frames, size, videoErrors[entries.quality]);
+  const device = session.device.value;
+  const time = shown && renderingSeconds(shown, frames, size, videoErrors[entries.quality], device);
   return (
     <>
       <p class="field-hint">
         {t.take.videoHint(frames)} {t.marks.notInVideos}
       </p>
-      {frames > 0 ? <p>{t.take.videoTime(seconds)}</p> : null}
+      {frames > 0 ? <p>{t.take.videoTime(time)}</p> : null}
     </>
   );
 }

@@ -20,12 +20,19 @@ test("a video has the aspect ratio of the screen and even sides within the limit
 test("the time of a video follows from the speed of the picture on the screen", () => {
   const shown = { samples: 100, seconds: 20, error: 0.1, width: 1000, height: 500 };
   const half = { width: 500, height: 250 };
-  expect(renderingSeconds(shown, 1, shown, 0.1)).toBeCloseTo(2 * 20);
-  expect(renderingSeconds(shown, 10, shown, 0.05)).toBeCloseTo(2 * 10 * 4 * 20);
-  expect(renderingSeconds(shown, 10, half, 0.05)).toBeCloseTo(2 * 10 * 20);
-  expect(renderingSeconds(shown, 100, shown, 10)).toBeCloseTo(2 * 100 * 0.2); // at least one sample
-  expect(renderingSeconds({ ...shown, error: Infinity }, 1, shown, 0.1)).toBeNull();
-  expect(renderingSeconds({ ...shown, samples: 0 }, 1, shown, 0.1)).toBeNull();
+  const gpu = (...[picture, frames, size, error]: readonly [typeof shown, number, typeof half, number]) =>
+    renderingSeconds(picture, frames, size, error, "NVIDIA H200");
+  expect(gpu(shown, 1, shown, 0.1)).toEqual({ least: 20.05, most: 40.05 });
+  expect(gpu(shown, 10, shown, 0.05)?.least).toBeCloseTo(10 * (4 * 20 + 0.05));
+  expect(gpu(shown, 10, half, 0.05)?.least).toBeCloseTo(10 * (20 + 0.05));
+  expect(gpu(shown, 100, shown, 10)?.least).toBeCloseTo(100 * (0.2 + 0.05)); // at least one sample
+  expect(gpu({ ...shown, error: Infinity }, 1, shown, 0.1)).toBeNull();
+  expect(gpu({ ...shown, samples: 0 }, 1, shown, 0.1)).toBeNull();
+});
+
+test("a video takes several times longer on a CPU, whose frames are rendered by another method", () => {
+  const shown = { samples: 100, seconds: 20, error: 0.1, width: 1000, height: 500 };
+  expect(renderingSeconds(shown, 1, shown, 0.1, "2 CPU threads")).toEqual({ least: 80.5, most: 240.5 });
 });
 
 test("the length accepts only whole seconds within the limits", () => {

@@ -34,23 +34,41 @@ export function typedSeconds(text: string): number | null {
   return seconds >= 1 && seconds <= longestVideoS ? seconds : null;
 }
 
-/** The share of the device that a video gets while no picture moves (renderd/schedule/still_scheduling.h). */
-const videoShare = 0.5;
+/** Seconds, from the fastest to the slowest that is likely. */
+export interface TimeRange {
+  readonly least: number;
+  readonly most: number;
+}
+
+/**
+ * How much longer a frame takes than the same picture on the screen. The least is for a device that does nothing else. A
+ * video gets half of a device while pictures on screens still become sharper or another file is made
+ * (renderd/schedule/still_scheduling.h). On a CPU, frames are rendered by another method than the picture on the screen
+ * (renderd/kernel/method.h), which takes three times as long or more, and the encoder shares the cores.
+ */
+const slowdown = { gpu: { least: 1, most: 2 }, cpu: { least: 4, most: 12 } } as const;
+/** What each frame takes in addition: preparing the scene, denoising and encoding. */
+const secondsPerFrame = { gpu: 0.05, cpu: 0.5 } as const;
 
 /**
  * Estimates how long a video takes from how fast the picture on the screen became sharp. The variance of a pixel falls
- * in inverse proportion to its samples. Returns null while the error of the picture is unknown.
+ * in inverse proportion to its samples. Returns null while the error of the picture is unknown. `device` is the name of
+ * the server's device.
  */
 export function renderingSeconds(
   shown: Pick<PictureFacts, "samples" | "seconds" | "error" | "width" | "height">,
   frames: number,
   size: Viewport,
   error: number,
-): number | null {
+  device: string,
+): TimeRange | null {
   if (!Number.isFinite(shown.error) || shown.samples < 1 || shown.seconds <= 0) return null;
+  const kind = device.includes("CPU") ? "cpu" : "gpu";
   const samples = Math.max(1, shown.samples * (shown.error / error) ** 2);
   const secondsPerSample = shown.seconds / (shown.samples * shown.width * shown.height);
-  return (frames * samples * size.width * size.height * secondsPerSample) / videoShare;
+  const onScreen = samples * size.width * size.height * secondsPerSample;
+  const total = (factor: number) => frames * (factor * onScreen + secondsPerFrame[kind]);
+  return { least: total(slowdown[kind].least), most: total(slowdown[kind].most) };
 }
 
 export interface VideoChoices {
