@@ -43,10 +43,9 @@ export interface TimeRange {
 /**
  * How much longer a frame takes than the same picture on the screen. The least is for a device that does nothing else. A
  * video gets half of a device while pictures on screens still become sharper or another file is made
- * (renderd/schedule/still_scheduling.h). On a CPU, frames are rendered by another method than the picture on the screen
- * (renderd/kernel/method.h), which takes three times as long or more, and the encoder shares the cores.
+ * (renderd/schedule/still_scheduling.h). On a CPU, the encoder and everything else on the machine share the cores.
  */
-const slowdown = { gpu: { least: 1, most: 2 }, cpu: { least: 4, most: 12 } } as const;
+const slowdown = { gpu: { least: 1, most: 2 }, cpu: { least: 1, most: 3 } } as const;
 /** What each frame takes in addition: preparing the scene, denoising and encoding. */
 const secondsPerFrame = { gpu: 0.05, cpu: 0.5 } as const;
 
