@@ -27,7 +27,7 @@ test("the time of a video follows from the speed of the picture on the screen", 
   expect(gpu(shown, 10, half, 0.05)?.least).toBeCloseTo(10 * (20 + 0.05));
   expect(gpu(shown, 100, shown, 10)?.least).toBeCloseTo(100 * (0.2 + 0.05)); // at least one sample
   expect(gpu({ ...shown, error: Infinity }, 1, shown, 0.1)).toBeNull();
-  expect(gpu({ ...shown, samples: 0 }, 1, shown, 0.1)).toBeNull();
+  expect(gpu({ ...shown, samples: 3 }, 1, shown, 0.1)).toBeNull();
 });
 
 test("a video takes longer on a CPU, which also encodes it", () => {

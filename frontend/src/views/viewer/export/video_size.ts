@@ -49,6 +49,9 @@ const slowdown = { gpu: { least: 1, most: 2 }, cpu: { least: 1, most: 3 } } as c
 /** What each frame takes in addition: preparing the scene, denoising and encoding. */
 const secondsPerFrame = { gpu: 0.05, cpu: 0.5 } as const;
 
+/** With fewer, the error is that of a draft, which another method renders on a CPU, or hardly known. */
+const fewestSamples = 4;
+
 /**
  * Estimates how long a video takes from how fast the picture on the screen became sharp. The variance of a pixel falls
  * in inverse proportion to its samples. Returns null while the error of the picture is unknown. `device` is the name of
@@ -61,7 +64,7 @@ export function renderingSeconds(
   error: number,
   device: string,
 ): TimeRange | null {
-  if (!Number.isFinite(shown.error) || shown.samples < 1 || shown.seconds <= 0) return null;
+  if (!Number.isFinite(shown.error) || shown.samples < fewestSamples || shown.seconds <= 0) return null;
   const kind = device.includes("CPU") ? "cpu" : "gpu";
   const samples = Math.max(1, shown.samples * (shown.error / error) ** 2);
   const secondsPerSample = shown.seconds / (shown.samples * shown.width * shown.height);
