@@ -58,7 +58,8 @@ export function useScans() {
     const changed = await app.api.sharing.describe(set.id, { title });
     setSets((before) => before?.map((one) => (one.id === set.id ? changed : one)) ?? null);
   };
-  return { sets, fault, remove, rename };
+  const reload = () => setRound(round + 1);
+  return { sets, fault, remove, rename, reload };
 }
 
 const isChanging = (set: DataSet, app: AppState): boolean =>
