@@ -188,6 +188,10 @@ def test_the_worker_reports_labels_as_soon_as_they_are_there(running, owner, sca
     # Layers of four voxels of 8 mm3.
     assert [(one.number, one.volume) for one in labels] == [(5, 4 * 8 * SIDE**2), (7, 4 * 8 * SIDE**2)]
     viewer.frame()
+    _, of_friend = open_session(friend, scan)
+    theirs = Viewer(running.url, of_friend)
+    assert len(theirs.until("labels").labels) == 2, "the scan is shared with them"
+    theirs.leave()
     owner.http.delete(f"/v1/data-sets/{scan}/labels")
     assert len(viewer.until("labels").labels) == 0
     viewer.leave()
