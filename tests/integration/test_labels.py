@@ -12,7 +12,8 @@ import numpy
 import pytest
 from api_client import Person, person, problem
 from cut_helpers import SIDE, marked_scan
-from stream_helpers import Viewer, open_session
+from stream_helpers import ClientMessage, Viewer, open_session
+from test_live_sessions import Guest, link_of
 
 SPACING = 2.0
 
@@ -194,4 +195,32 @@ def test_the_worker_reports_labels_as_soon_as_they_are_there(running, owner, sca
     theirs.leave()
     owner.http.delete(f"/v1/data-sets/{scan}/labels")
     assert len(viewer.until("labels").labels) == 0
+    viewer.leave()
+
+
+def kinds_with_depth(viewer: Viewer) -> tuple[set[str], int]:
+    """Asks what is above the middle of the picture, where there is bone. Returns the kinds of messages up to the answer, and the label in it."""
+    viewer.frame()
+    message = ClientMessage()
+    message.depth_query.id, message.depth_query.x, message.depth_query.y = 1, 0.5, 0.35
+    viewer.send(message)
+    kinds = set()
+    while "depth" not in kinds:
+        answer = viewer.receive()
+        kinds.add(answer.WhichOneof("body"))
+    return kinds, answer.depth.label
+
+
+def test_guests_learn_neither_labels_nor_the_place_of_a_scan(running, owner, scan):
+    add(owner, scan, nifti((5, 5, 5, 5, 5, 5, 5, 5)))
+    session, url = open_session(owner, scan)
+    viewer = Viewer(running.url, url)
+    assert len(viewer.until("labels").labels) == 1
+    assert kinds_with_depth(viewer)[1] == 5, "a positive control"
+    guest = Guest(running, link_of(owner, session)).join()
+    assert not guest.config.volume.origin and not guest.config.volume.label_hash
+    received = {guest.receive().WhichOneof("body") for _ in range(4)}
+    kinds, label = kinds_with_depth(guest)
+    assert "labels" not in received | kinds and label == 0
+    guest.leave()
     viewer.leave()
