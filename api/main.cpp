@@ -102,6 +102,7 @@ void add_routes(RequestRouter& router, Services& services) {
   router.add(recording_routes(shared.recordings));
   router.add(sharing_routes(shared.sharing, router));
   router.add(anonymise_routes(picture.anonymise));
+  router.add(label_routes(picture.labels));
   router.add(visit_routes(shared.visits));
   router.add(environment_routes(shared.environments));
   router.add(annotation_routes(shared.annotations));

@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kConnections = 12;
 constexpr int kHashingSlots = 2;
+/// As ingest reads them (LabelLimits::file_bytes), with the headers of the archive.
+constexpr std::int64_t kMostLabelBytes = (std::int64_t{1} << 30) + (1 << 16);
 
 }  // namespace
 
@@ -92,7 +94,12 @@ PictureServices::PictureServices(const Backends& on, DataSets& data_sets, Preset
                 [&settings = on.settings](const std::string& id) {
                   const auto header = volume::read_header(settings.volume_dir + "/" + id);
                   return header ? header->content_hash : std::string();
-                }) {}
+                }),
+      label_store(on.stores.database),
+      labels(data_sets, label_store, on.clock, on.signals, kMostLabelBytes,
+             [&settings = on.settings](const std::string& id) {
+               return volume::remove_label_set(settings.volume_dir + "/" + id);
+             }) {}
 
 Services::Services(const Backends& on)
     : account(on),

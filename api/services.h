@@ -27,6 +27,8 @@
 #include "api/scans/anonymise_repository.h"
 #include "api/scans/data_set_repository.h"
 #include "api/scans/data_sets.h"
+#include "api/scans/label_repository.h"
+#include "api/scans/scan_labels.h"
 #include "api/scans/thumbnails.h"
 #include "api/scans/uploads.h"
 #include "api/sessions/render_time.h"
@@ -148,6 +150,8 @@ struct PictureServices {
   PresetPictures preset_pictures;
   CutRepository cut_store;
   Anonymise anonymise;
+  LabelRepository label_store;
+  ScanLabels labels;
 };
 
 struct Services {

@@ -21,6 +21,7 @@
 #include "ingest/pipeline/checked_builder.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
+#include "ingest/pipeline/label_child.h"
 #include "ingest/pipeline/postgres_jobs.h"
 #include "ingest/pipeline/scratch.h"
 #include "ingest/pipeline/worker.h"
@@ -190,6 +191,9 @@ int main(int argc, char** argv) {
   service::forbid_core_files();
   if (argc > 1 && std::string(argv[1]) == ingest::kChildWord) {
     return ingest::run_child_with({argv + 2, argv + argc});
+  }
+  if (argc > 1 && std::string(argv[1]) == ingest::kLabelChildWord) {
+    return ingest::run_label_child_with({argv + 2, argv + argc});
   }
   if (argc > 1 && std::string(argv[1]) == ingest::kCutChildWord) {
     return ingest::run_cut_child_with({argv + 2, argv + argc});

@@ -2,10 +2,12 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "api/proto/volume.pb.h"
 #include "common/try.h"
+#include "volume/frame_of_reference.h"
 
 namespace diaphane::volume {
 namespace {
@@ -70,6 +72,10 @@ Result<void> check(const Header& header) {
       header.window_width < 0) {
     return fail(ErrorCode::kInvalid, "the window is not a number", "windowWidth");
   }
+  if (header.origin && !std::all_of(header.origin->begin(), header.origin->end(),
+                                    [](double v) { return std::isfinite(v); })) {
+    return fail(ErrorCode::kInvalid, "the origin is not a place", "origin");
+  }
   for (const double p : header.percentiles) {
     if (!std::isfinite(p))
       return fail(ErrorCode::kInvalid, "a percentile is not a number", "percentiles");
@@ -105,6 +111,12 @@ Result<std::string> to_json(const Header& header) {
   for (const auto v : header.percentiles) message.add_percentiles(v);
   message.set_content_hash(header.content_hash);
   for (const auto& repair : header.repairs) message.add_repairs(repair);
+  if (header.origin) message.mutable_origin()->Assign(header.origin->begin(), header.origin->end());
+  // The UID itself is on every image of the examination, and must not be stored.
+  if (is_hidden_frame_of_reference(header.frame_of_reference)) {
+    message.set_frame_of_reference(header.frame_of_reference);
+  }
+  message.set_label_hash(header.label_hash);
   std::string text;
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;
@@ -154,6 +166,11 @@ Result<Header> from_json(const std::string& text) {
   header.maximum = message.maximum();
   header.content_hash = message.content_hash();
   header.repairs.assign(message.repairs().begin(), message.repairs().end());
+  if (message.origin_size() == 3) {
+    header.origin = {message.origin(0), message.origin(1), message.origin(2)};
+  }
+  header.frame_of_reference = message.frame_of_reference();
+  header.label_hash = message.label_hash();
   DIAPHANE_TRY(check(header));
   return header;
 }

@@ -6,6 +6,7 @@
 #include "common/try.h"
 #include "common/utf8.h"
 #include "volume/labels.h"
+#include "volume/volume.h"
 
 namespace diaphane::volume {
 namespace {
@@ -92,6 +93,11 @@ std::string encode(const LabelSet& set) {
     bytes += entry.name;
   }
   return bytes + encode(set.labels);
+}
+
+std::uint64_t most_label_set_bytes(const Header& header) {
+  constexpr std::uint64_t kEntryBytes = 8 + kLongestLabelName;
+  return kSetMagic.size() + 4 + kMostLabels * kEntryBytes + most_label_bytes(header);
 }
 
 Result<LabelSet> decode_label_set(std::string_view bytes, std::array<std::uint32_t, 3> size) {

@@ -11,6 +11,8 @@
 
 namespace diaphane::volume {
 
+struct Header;
+
 /// One small number per voxel, in the order of Volume::voxels.
 struct Labels {
   std::array<std::uint32_t, 3> size{};
@@ -52,5 +54,9 @@ std::string encode(const LabelSet& set);
 /// have another version or belong to a volume of another size. Allocates no more than one byte per
 /// voxel of `size` and the table, whatever the bytes say.
 Result<LabelSet> decode_label_set(std::string_view bytes, std::array<std::uint32_t, 3> size);
+
+/// Returns the largest possible size of an encoded label set: its table, and a run of two bytes for
+/// each voxel.
+std::uint64_t most_label_set_bytes(const Header& header);
 
 }  // namespace diaphane::volume

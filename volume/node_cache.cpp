@@ -143,10 +143,13 @@ Result<Volume> NodeCache::read(const std::string& id) {
     // Only the voxels are copied to the node, because labels are small.
     auto labels = read_labels(directory, *header);
     DIAPHANE_TRY(labels);
+    auto label_set = read_label_set(directory, *header);
+    DIAPHANE_TRY(label_set);
     Volume volume;
     volume.header = std::move(*header);
     volume.id = id;
     volume.labels = std::move(*labels);
+    volume.label_set = std::move(*label_set);
     // Checks the hash again, because the volume may have been erased or replaced while the copy was
     // read.
     if (read_copy(name_of(id, *seal), *seal, volume.header, volume.voxels) &&

@@ -188,6 +188,15 @@ Header after(const Header& header, const Cut& cut) {
   left.minimum = left.maximum = 0;
   left.percentiles.fill(0);
   left.content_hash.clear();
+  left.label_hash.clear();  // labels may show the shape of what was removed
+  if (left.origin) {
+    for (std::size_t row = 0; row < 3; ++row) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        (*left.origin)[row] +=
+            header.direction[3 * row + axis] * header.spacing[axis] * cut.low[axis];
+      }
+    }
+  }
   return left;
 }
 

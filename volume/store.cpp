@@ -32,6 +32,10 @@ static_assert(std::endian::native == std::endian::little, "voxels.i16 is little 
 constexpr const char* kHeaderFile = "volume.json";
 constexpr const char* kVoxelFile = "voxels.i16";
 constexpr const char* kLabelFile = "labels";
+constexpr const char* kLabelSetFile = "label_set";
+// Written completely before they replace the files above.
+constexpr const char* kNewHeaderFile = ".volume.json.new";
+constexpr const char* kNewLabelSetFile = ".label_set.new";
 constexpr off_t kMaxHeaderBytes = 1 << 20;
 
 Error disk_error(const char* what) {
@@ -91,9 +95,20 @@ Result<Header> read_header(const std::string& directory) {
   return from_json(text);
 }
 
+std::string version_of(const Header& header) {
+  return header.label_hash.empty() ? header.content_hash
+                                   : header.content_hash + " " + header.label_hash;
+}
+
 std::optional<std::string> stored_hash(const std::string& directory) {
+  auto version = stored_version(directory);
+  if (version) version->resize(std::min(version->find(' '), version->size()));
+  return version;
+}
+
+std::optional<std::string> stored_version(const std::string& directory) {
   const auto header = read_header(directory);
-  if (header) return header->content_hash;
+  if (header) return version_of(*header);
   std::error_code error;
   const bool has_header = fs::exists(fs::path(directory) / kHeaderFile, error);
   return has_header || error ? std::nullopt : std::optional<std::string>("");
@@ -114,6 +129,25 @@ Result<std::string> read_labels(const std::string& directory, const Header& head
   return labels;
 }
 
+Result<LabelSet> read_label_set(const std::string& directory, const Header& header) {
+  if (header.label_hash.empty()) return LabelSet{};
+  auto opened = open_file(directory, kLabelSetFile);
+  DIAPHANE_TRY(opened);
+  const Fd file(opened->first);
+  if (static_cast<std::uint64_t>(opened->second) > most_label_set_bytes(header)) {
+    return fail(ErrorCode::kInvalid, "the label set is too long");
+  }
+  try {
+    std::string bytes(static_cast<std::size_t>(opened->second), '\0');
+    if (!read_all(file.get(), bytes.data(), bytes.size())) {
+      return fail(ErrorCode::kUnavailable, "cannot read the label set");
+    }
+    return decode_label_set(bytes, header.size);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "the labels do not fit in memory");
+  }
+}
+
 Result<Volume> read(const std::string& directory, bool verify_hash) {
   auto header = read_header(directory);
   DIAPHANE_TRY(header);
@@ -126,9 +160,12 @@ Result<Volume> read(const std::string& directory, bool verify_hash) {
   }
   auto labels = read_labels(directory, *header);
   DIAPHANE_TRY(labels);
+  auto label_set = read_label_set(directory, *header);
+  DIAPHANE_TRY(label_set);
   Volume volume;
   volume.header = std::move(*header);
   volume.labels = std::move(*labels);
+  volume.label_set = std::move(*label_set);
   volume.id = fs::path(directory).lexically_normal().filename().string();
   try {
     volume.voxels.resize(count);
@@ -215,6 +252,7 @@ Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
   auto hash = content_hash(volume.voxels.data(), bytes);
   if (!hash && hash.error().code != ErrorCode::kUnsupported) return tl::unexpected(hash.error());
   volume.header.content_hash = hash.value_or("");
+  volume.header.label_hash.clear();  // labels are added with write_label_set()
   auto text = to_json(volume.header);
   DIAPHANE_TRY(text);
 
@@ -241,12 +279,76 @@ Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
 
 }  // namespace
 
+namespace {
+
+/// Truncates a file before it is removed, so that a process that has it open can no longer read it.
+/// Links are not followed.
+void truncate_file(const std::string& directory, const char* name) {
+  const Fd file(open((fs::path(directory) / name).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (file && ftruncate(file.get(), 0) == 0) (void)fsync(file.get());
+}
+
+/// Replaces a file in one step. `new_name` may be left by a process that was killed.
+Result<void> replace_file(int directory, const char* new_name, const char* name,
+                          const std::string& bytes) {
+  (void)unlinkat(directory, new_name, 0);
+  DIAPHANE_TRY(write_file(directory, new_name, bytes.data(), bytes.size()));
+  if (renameat(directory, new_name, directory, name) != 0) {
+    return tl::unexpected(disk_error("cannot replace a file of a volume"));
+  }
+  return {};
+}
+
+/// Opens a volume's directory to change its files.
+Result<int> open_directory(const std::string& directory) {
+  const int inside = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (inside < 0) return fail(ErrorCode::kNotFound, "the volume does not exist");
+  return inside;
+}
+
+Result<void> replace_header(int directory, const Header& header) {
+  auto text = to_json(header);
+  DIAPHANE_TRY(text);
+  DIAPHANE_TRY(replace_file(directory, kNewHeaderFile, kHeaderFile, *text));
+  if (fsync(directory) != 0) return tl::unexpected(disk_error("cannot sync a volume"));
+  return {};
+}
+
+}  // namespace
+
+Result<void> write_label_set(const std::string& encoded, const std::string& directory) {
+  auto header = read_header(directory);
+  DIAPHANE_TRY(header);
+  auto hash = content_hash(encoded.data(), encoded.size());
+  DIAPHANE_TRY(hash);
+  const auto opened = open_directory(directory);
+  DIAPHANE_TRY(opened);
+  const Fd inside(*opened);
+  DIAPHANE_TRY(replace_file(inside.get(), kNewLabelSetFile, kLabelSetFile, encoded));
+  header->label_hash = *hash;
+  return replace_header(inside.get(), *header);
+}
+
+Result<void> remove_label_set(const std::string& directory) {
+  auto header = read_header(directory);
+  if (!header && header.error().code == ErrorCode::kNotFound) return {};
+  DIAPHANE_TRY(header);
+  const auto opened = open_directory(directory);
+  DIAPHANE_TRY(opened);
+  const Fd inside(*opened);
+  if (!header->label_hash.empty()) {
+    header->label_hash.clear();
+    DIAPHANE_TRY(replace_header(inside.get(), *header));
+  }
+  truncate_file(directory, kLabelSetFile);
+  (void)unlinkat(inside.get(), kLabelSetFile, 0);
+  return {};
+}
+
 void erase(const std::string& directory) {
-  for (const char* name : {kVoxelFile, kHeaderFile, kLabelFile}) {
-    // Truncates the file first, so that a process that has it open can no longer read it. Links
-    // are not followed.
-    const Fd file(open((fs::path(directory) / name).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
-    if (file && ftruncate(file.get(), 0) == 0) (void)fsync(file.get());
+  for (const char* name :
+       {kVoxelFile, kHeaderFile, kLabelFile, kLabelSetFile, kNewHeaderFile, kNewLabelSetFile}) {
+    truncate_file(directory, name);
   }
   std::error_code ignored;
   fs::remove_all(directory, ignored);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/result.h"
+#include "volume/volume.h"
 
 namespace diaphane::volume {
 
@@ -23,6 +24,10 @@ Result<std::size_t> sweep_unfinished(const std::string& store);
 /// no volume. Returns nullopt if the header cannot be read, for example because the disk does not
 /// respond.
 std::optional<std::string> stored_hash(const std::string& directory);
+/// The same for its version (version_of).
+std::optional<std::string> stored_version(const std::string& directory);
+/// Returns the content hash of a volume and, if it has labels, a space and their hash.
+std::string version_of(const Header& header);
 
 /// Truncates the files of a volume and removes its directory. Failures are ignored.
 void erase(const std::string& directory);

@@ -31,10 +31,13 @@ struct Header {
   std::array<double, 8> percentiles{};  ///< at 1, 10, 25, 50, 75, 90, 99, 99.9 %
   std::string content_hash;             ///< empty until stored
   std::vector<std::string> repairs;     ///< in plain language
-  /// Where the scan lies in the patient's space: the centre of voxel (0, 0, 0) in mm (LPS). Not
-  /// stored; only needed while labels are matched to the scan.
+  /// Where the scan lies in the patient's space: the centre of voxel (0, 0, 0) in mm (LPS). Labels
+  /// of other files find their place by it. Absent in volumes that were stored before there were
+  /// labels.
   std::optional<std::array<double, 3>> origin;
-  std::string frame_of_reference;  ///< identifier of that space; empty: unknown. Not stored.
+  /// Identifier of that space, stored only as a salted hash (frame_of_reference.h). Empty: unknown.
+  std::string frame_of_reference;
+  std::string label_hash;  ///< hash of the stored label set; empty: none
   /// Number of slices that refine_slices() made of each stored one. Not stored.
   std::uint32_t interpolated = 1;
 
@@ -63,10 +66,10 @@ struct Filler {
 /// voxels.
 void measure(Volume& volume, const Filler& filler = {});
 
-/// Reads `volume.json`, `voxels.i16` and, if it exists, `labels` from `directory`. Returns
-/// kNotFound if the volume does not exist, kInvalid if the files are malformed or do not match each
-/// other, kUnavailable if the disk cannot be read, and kOutOfMemory. `verify_hash` also checks the
-/// content hash; a mismatch is kInternal, because the disk must be broken.
+/// Reads `volume.json`, `voxels.i16` and, if they exist, `labels` and `label_set` from `directory`.
+/// Returns kNotFound if the volume does not exist, kInvalid if the files are malformed or do not
+/// match each other, kUnavailable if the disk cannot be read, and kOutOfMemory. `verify_hash` also
+/// checks the content hash; a mismatch is kInternal, because the disk must be broken.
 Result<Volume> read(const std::string& directory, bool verify_hash);
 /// Reads only `volume.json`. The errors are those of read().
 Result<Header> read_header(const std::string& directory);
@@ -74,6 +77,16 @@ Result<Header> read_header(const std::string& directory);
 /// Returns the labels of a stored volume, still encoded, or an empty string if it has none. The
 /// errors are those of read().
 Result<std::string> read_labels(const std::string& directory, const Header& header);
+
+/// Returns the label set of a stored volume, which is empty if it has none. The errors are those of
+/// read().
+Result<LabelSet> read_label_set(const std::string& directory, const Header& header);
+/// Stores an encoded label set with a volume and replaces an earlier one. Each file is replaced in
+/// one step, the header last, so that a reader that finds the new label_hash finds the new labels.
+/// Returns kNotFound if there is no volume.
+Result<void> write_label_set(const std::string& encoded, const std::string& directory);
+/// Permanently removes the label set of a volume. Does nothing if there is none.
+Result<void> remove_label_set(const std::string& directory);
 
 /// Writes the files under a temporary name next to `directory`, syncs and renames, so that a
 /// reader never sees a partial volume. Fills content_hash. Returns kConflict if `directory` exists.

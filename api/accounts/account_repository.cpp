@@ -8,10 +8,8 @@ namespace diaphane::api {
 namespace {
 
 constexpr const char* kUsedBytes = R"sql(
-  SELECT COALESCE(sum(CASE
-           WHEN d.state = 'ready' THEN d.volume_bytes
-           WHEN d.state IN ('uploading', 'queued', 'building') THEN COALESCE(u.length, d.volume_bytes)
-         END), 0)::bigint AS used_bytes
+  SELECT COALESCE(sum(COALESCE(d.volume_bytes, 0) + d.label_bytes + COALESCE(u.length, 0))
+           FILTER (WHERE d.state IN ('uploading', 'queued', 'building', 'ready')), 0)::bigint AS used_bytes
     FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
    WHERE d.owner_id = $1)sql";
 

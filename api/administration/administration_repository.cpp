@@ -11,9 +11,8 @@ constexpr const char* kSelectUser = R"sql(
   SELECT u.id, u.email, (extract(epoch FROM u.created_at) * 1000000)::bigint AS created_us,
          (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id) AS used_us,
          u.verified_at IS NOT NULL AS verified, u.disabled_at IS NOT NULL AS disabled, u.is_administrator, u.quota_bytes,
-         COALESCE((SELECT sum(CASE WHEN d.state = 'ready' THEN d.volume_bytes
-                                   WHEN d.state IN ('uploading', 'queued', 'building')
-                                   THEN COALESCE(up.length, d.volume_bytes) END)
+         COALESCE((SELECT sum(COALESCE(d.volume_bytes, 0) + d.label_bytes + COALESCE(up.length, 0))
+                            FILTER (WHERE d.state IN ('uploading', 'queued', 'building', 'ready'))
                      FROM data_sets d LEFT JOIN uploads up ON up.data_set_id = d.id
                     WHERE d.owner_id = u.id), 0)::bigint AS used_bytes,
          u.render_quota_ms,

@@ -24,7 +24,8 @@ constexpr std::string_view kReadMe =
     "           scan in voxels, the distance between voxels in millimetres and the orientation.\n"
     "           voxels.i16 holds the values as 16-bit little-endian integers; x varies fastest,\n"
     "           then y, then z. The values of a CT scan are in Hounsfield units. labels says\n"
-    "           which voxels show the body, and which the table or the air around it.\n"
+    "           which voxels show the body, and which the table or the air around it. label_set\n"
+    "           holds the names and voxels of labels that you added.\n"
     "           presets/ holds one image of the scan per preset.\n\n"
     "The files from your disc are not included, because Diaphane does not keep them.\n";
 
@@ -105,7 +106,7 @@ Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::stri
     return {};
   };
   for (const std::string& id : *volumes) {
-    for (const char* name : {"volume.json", "voxels.i16", "labels"}) {
+    for (const char* name : {"volume.json", "voxels.i16", "labels", "label_set"}) {
       const std::string of_scan = id + "/" + name;
       DIAPHANE_TRY(add("scans/" + of_scan, options_.volumes + "/" + of_scan));
     }

@@ -227,7 +227,7 @@ Result<ExportStore::Sizes> PrivacyRepository::sizes(const std::string& user_id) 
   return database_.transact([&](pqxx::work& transaction) -> Result<Sizes> {
     const pqxx::row row = transaction.exec_params1(
         R"sql(
-        SELECT COALESCE((SELECT sum(volume_bytes) FROM data_sets
+        SELECT COALESCE((SELECT sum(volume_bytes + label_bytes) FROM data_sets
                           WHERE owner_id = $1::uuid AND state = 'ready'), 0)::bigint AS volume_bytes,
                COALESCE((SELECT sum(bytes) FROM exports WHERE state = 'ready'), 0)::bigint AS export_bytes)sql",
         user_id);

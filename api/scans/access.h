@@ -29,7 +29,7 @@ enum class Action {
   kSavePreset,  ///< and change or delete your own presets
   kVote,        ///< vote for presets
   kReport,      ///< report abuse
-  kDescribe,    ///< set title, description, body part and default preset; delete any preset
+  kDescribe,    ///< set title, description, body part, labels and default preset; delete any preset
   kShare,       ///< list and change people and links
   kReadViews,   ///< see who viewed it
   kPublish,     ///< add it to the gallery or remove it

@@ -20,7 +20,9 @@ Result<void> CutRepository::order(const CutOrder& order, Time now) {
     const pqxx::result queued = transaction.exec_params(
         R"sql(
         UPDATE data_sets SET state = 'queued', cut_problem = NULL, updated_at = to_timestamp($2::bigint / 1e6)
-         WHERE id = $1 AND state = 'ready' RETURNING id)sql",
+         WHERE id = $1 AND state = 'ready'
+           AND NOT EXISTS (SELECT FROM ingest_jobs WHERE data_set_id = $1)
+        RETURNING id)sql",
         order.data_set_id, to_us(now));
     if (queued.empty()) return fail(ErrorCode::kConflict, "The scan is not ready.");
     // Schedules the deletion of thumbnails with the old voxels, even of one that is being written.

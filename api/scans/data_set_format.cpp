@@ -4,6 +4,30 @@
 
 namespace diaphane::api {
 
+namespace {
+
+nlohmann::ordered_json to_json(const Upload& upload) {
+  return {{"url", "/v1/uploads/" + upload.id},
+          {"bytes", upload.length},
+          {"received_bytes", upload.received},
+          {"expires_at", rfc3339(upload.expires_at)}};
+}
+
+nlohmann::ordered_json to_json(const LabelState& labels) {
+  nlohmann::ordered_json json{{"count", labels.count},
+                              {"bytes", labels.bytes},
+                              {"placing", labels.placing},
+                              {"upload", nullptr},
+                              {"refusal", nullptr}};
+  if (labels.upload) json["upload"] = to_json(*labels.upload);
+  if (!labels.refusal_code.empty()) {
+    json["refusal"] = {{"code", labels.refusal_code}, {"text", labels.refusal_text}};
+  }
+  return json;
+}
+
+}  // namespace
+
 nlohmann::ordered_json to_json(const DataSet& d) {
   nlohmann::ordered_json json;
   json["id"] = d.id;
@@ -33,12 +57,9 @@ nlohmann::ordered_json to_json(const DataSet& d) {
                       {"repairs", d.repairs}};
   }
   json["upload"] = nullptr;
-  if (d.upload) {
-    json["upload"] = {{"url", "/v1/uploads/" + d.upload->id},
-                      {"bytes", d.upload->length},
-                      {"received_bytes", d.upload->received},
-                      {"expires_at", rfc3339(d.upload->expires_at)}};
-  }
+  if (d.upload) json["upload"] = to_json(*d.upload);
+  json["labels"] = nullptr;
+  if (d.owned() && d.state == DataSetState::kReady) json["labels"] = to_json(d.labels);
   json["shared"] = nullptr;
   if (d.owned()) json["shared"] = {{"people", d.people}, {"links", d.links}};
   json["taken_down"] = nullptr;

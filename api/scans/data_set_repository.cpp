@@ -141,11 +141,13 @@ Result<Upload> DataSetRepository::find_upload(const Owner& owner, const std::str
   return database_.read([&](pqxx::work& transaction) -> Result<Upload> {
     // An expired upload no longer has a row in `uploads`, but its owner still sees its state.
     const pqxx::result rows = transaction.exec_params(R"sql(
-        SELECT d.state, COALESCE(u.length, 0) AS length, COALESCE(u.received, 0) AS received,
+        SELECT CASE WHEN NOT u.for_labels OR u.id IS NULL THEN d.state
+                    WHEN u.received < u.length THEN 'uploading' ELSE 'queued' END AS state,
+               COALESCE(u.length, 0) AS length, COALESCE(u.received, 0) AS received,
                COALESCE((extract(epoch FROM u.expires_at) * 1000000)::bigint, 0) AS expires_us
           FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
-         WHERE d.id = $2 AND (d.owner_id = $1::uuid OR ($1::uuid IS NULL AND d.owner_id IS NULL AND d.is_sample))
-           AND (u.id IS NOT NULL OR d.state = 'expired'))sql",
+         WHERE (u.id = $2 OR (d.id = $2 AND d.state = 'expired'))
+           AND (d.owner_id = $1::uuid OR ($1::uuid IS NULL AND d.owner_id IS NULL AND d.is_sample)))sql",
                                                       owner_or_null(owner), id);
     if (rows.empty()) return fail(ErrorCode::kNotFound, "Upload not found.");
     return Upload{id, rows[0]["length"].as<std::int64_t>(), rows[0]["received"].as<std::int64_t>(),
@@ -159,23 +161,30 @@ Result<void> DataSetRepository::advance_upload(const std::string& id, std::int64
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     const pqxx::result moved = transaction.exec_params(
         R"sql(
-        WITH standing AS (SELECT id FROM data_sets WHERE id = $1 AND state = 'uploading' FOR UPDATE)
+        WITH standing AS (
+          SELECT d.id FROM data_sets d JOIN uploads u ON u.data_set_id = d.id
+           WHERE u.id = $1 AND d.state = CASE WHEN u.for_labels THEN 'ready' ELSE 'uploading' END
+             FOR UPDATE OF d)
         UPDATE uploads SET received = $3, expires_at = to_timestamp($4::bigint / 1e6)
           FROM standing
-         WHERE uploads.data_set_id = standing.id AND uploads.received = $2
-        RETURNING uploads.length)sql",
+         WHERE uploads.data_set_id = standing.id AND uploads.received = $2 AND uploads.received < uploads.length
+        RETURNING uploads.length, uploads.for_labels, uploads.data_set_id)sql",
         id, from, to, to_us(expires_at));
     if (moved.empty())
       return fail(
           ErrorCode::kConflict,
           "More of the upload has arrived in the meantime. Check its offset and continue there.");
     if (moved[0]["length"].as<std::int64_t>() != to) return {};
+    const bool for_labels = moved[0]["for_labels"].as<bool>();
+    const auto data_set_id = moved[0]["data_set_id"].as<std::string>();
     transaction.exec_params0(R"sql(
-        UPDATE data_sets SET state = 'queued', updated_at = to_timestamp($2::bigint / 1e6)
+        UPDATE data_sets SET state = CASE WHEN $3 THEN state ELSE 'queued' END,
+                             updated_at = to_timestamp($2::bigint / 1e6)
          WHERE id = $1)sql",
-                             id, to_us(now));
-    transaction.exec_params0("INSERT INTO ingest_jobs (data_set_id, upload_id) VALUES ($1, $1)",
-                             id);
+                             data_set_id, to_us(now), for_labels);
+    transaction.exec_params0(
+        "INSERT INTO ingest_jobs (data_set_id, upload_id, for_labels) VALUES ($1, $2, $3)",
+        data_set_id, id, for_labels);
     transaction.exec("NOTIFY ingest_jobs");
     return {};
   });
@@ -183,6 +192,14 @@ Result<void> DataSetRepository::advance_upload(const std::string& id, std::int64
 
 Result<void> DataSetRepository::cancel_upload(const Owner& owner, const std::string& id, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result of_labels = transaction.exec_params(
+        R"sql(
+        DELETE FROM uploads u USING data_sets d
+         WHERE u.id = $2 AND u.for_labels AND u.received < u.length AND d.id = u.data_set_id
+           AND (d.owner_id = $1::uuid OR ($1::uuid IS NULL AND d.owner_id IS NULL AND d.is_sample))
+        RETURNING u.id)sql",
+        owner_or_null(owner), id);
+    if (!of_labels.empty()) return {};
     const pqxx::result found = transaction.exec_params(
         R"sql(
         SELECT state FROM data_sets
@@ -204,14 +221,15 @@ Result<int> DataSetRepository::expire_uploads(Time now) {
     const pqxx::result late = transaction.exec_params(
         R"sql(
         SELECT u.id FROM uploads u JOIN data_sets d ON d.id = u.data_set_id
-         WHERE d.state = 'uploading' AND u.expires_at <= to_timestamp($1::bigint / 1e6)
+         WHERE (d.state = 'uploading' OR (u.for_labels AND u.received < u.length))
+           AND u.expires_at <= to_timestamp($1::bigint / 1e6)
          ORDER BY u.expires_at LIMIT 100 FOR UPDATE OF d SKIP LOCKED)sql",
         to_us(now));
     for (const pqxx::row& row : late) {
       const auto id = row["id"].as<std::string>();
       transaction.exec_params0(R"sql(
           UPDATE data_sets SET state = 'expired', updated_at = to_timestamp($2::bigint / 1e6)
-           WHERE id = $1)sql",
+           WHERE id = $1 AND state = 'uploading')sql",
                                id, to_us(now));
       transaction.exec_params0("DELETE FROM uploads WHERE id = $1", id);
       dispose_of(transaction, "upload", id, now);

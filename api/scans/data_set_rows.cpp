@@ -28,7 +28,10 @@ const char* const kSelectDataSet = R"sql(
          CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_people p WHERE p.data_set_id = d.id) ELSE 0 END AS people,
          CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_links l WHERE l.data_set_id = d.id AND l.expires_at > now()) ELSE 0 END AS links,
          CASE WHEN r.role = 'owner' AND d.state = 'queued' THEN COALESCE(j.waiting_for, '') ELSE '' END AS waiting_for,
-         d.public_slices
+         d.public_slices,
+         d.label_count, d.label_bytes, COALESCE(d.label_refusal_code, '') AS label_refusal_code,
+         COALESCE(d.label_refusal_text, '') AS label_refusal_text, COALESCE(j.for_labels, false) AS placing_labels,
+         CASE WHEN u.for_labels THEN u.id END AS label_upload_id
     FROM data_sets d
     LEFT JOIN ingest_jobs j ON j.data_set_id = d.id
     LEFT JOIN uploads u ON u.data_set_id = d.id
@@ -67,6 +70,22 @@ std::optional<Time> time_or_nothing(const pqxx::field& field) {
   return from_us(field.as<std::int64_t>());
 }
 
+LabelState read_label_state(const pqxx::row& row) {
+  LabelState labels;
+  labels.count = row["label_count"].as<int>();
+  labels.bytes = row["label_bytes"].as<std::int64_t>();
+  labels.placing = row["placing_labels"].as<bool>();
+  labels.refusal_code = row["label_refusal_code"].as<std::string>();
+  labels.refusal_text = row["label_refusal_text"].as<std::string>();
+  if (!labels.placing && !row["label_upload_id"].is_null()) {
+    labels.upload =
+        Upload{row["label_upload_id"].as<std::string>(), row["upload_length"].as<std::int64_t>(),
+               row["upload_received"].as<std::int64_t>(),
+               from_us(row["upload_expires_us"].as<std::int64_t>()), DataSetState::kUploading};
+  }
+  return labels;
+}
+
 }  // namespace
 
 std::string shown_name(std::string name) {
@@ -96,6 +115,7 @@ DataSet read_data_set(const pqxx::row& row) {
                       row["upload_received"].as<std::int64_t>(),
                       from_us(row["upload_expires_us"].as<std::int64_t>()), d.state};
   }
+  if (d.owned() && d.state == DataSetState::kReady) d.labels = read_label_state(row);
   d.description = row["description"].as<std::string>();
   d.body_part = row["body_part"].as<std::string>();
   d.taken_down = row["taken_down"].as<bool>();

@@ -35,13 +35,22 @@ enum class DataSetState { kUploading, kQueued, kBuilding, kReady, kRefused, kExp
 std::string_view to_string(DataSetState state);
 DataSetState data_set_state_of(std::string_view text);
 
-/// An upload has the ID of its data set.
+/// The upload of a scan has the ID of its data set, and that of labels an ID of its own.
 struct Upload {
   std::string id;
   std::int64_t length = 0;    ///< bytes
   std::int64_t received = 0;  ///< bytes
   Time expires_at;
   DataSetState state = DataSetState::kUploading;
+};
+
+/// The labels of a scan, as its owner learns of them.
+struct LabelState {
+  int count = 0;
+  std::int64_t bytes = 0;
+  bool placing = false;                    ///< an upload is complete, and ingestd has not finished
+  std::optional<Upload> upload;            ///< in progress
+  std::string refusal_code, refusal_text;  ///< of the last upload; empty: none
 };
 
 struct DataSet {
@@ -69,6 +78,7 @@ struct DataSet {
   std::array<double, 3> spacing{};  ///< mm
   std::int64_t volume_bytes = 0;
   std::vector<std::string> repairs;
+  LabelState labels;             ///< state kReady, and owned
   std::optional<Upload> upload;  ///< state kUploading, and owned
   Time created_at;               ///< exact to the microsecond
   Time updated_at;
@@ -149,11 +159,12 @@ class DataSetStore {
   virtual Result<void> remove(const Owner& owner, const std::string& id, Time now) = 0;
 
   virtual Result<Upload> find_upload(const Owner& owner, const std::string& id) = 0;
-  /// Advances an upload from `from` to `to` bytes. At the full length, queues the data set and
-  /// notifies ingestd. Returns kConflict if it is no longer at `from` in state kUploading.
+  /// Advances an upload from `from` to `to` bytes. At the full length, queues the data set, or its
+  /// labels, and notifies ingestd. Returns kConflict if it is no longer at `from`.
   virtual Result<void> advance_upload(const std::string& id, std::int64_t from, std::int64_t to,
                                       Time expires_at, Time now) = 0;
-  /// Deletes an own data set in state kUploading. Returns kNotFound, or kConflict in a later state.
+  /// Deletes an own upload that is incomplete, and its data set unless it is an upload of labels.
+  /// Returns kNotFound, or kConflict if it is complete.
   virtual Result<void> cancel_upload(const Owner& owner, const std::string& id, Time now) = 0;
   /// Marks inactive uploads as expired, queues their files for deletion and returns their number.
   virtual Result<int> expire_uploads(Time now) = 0;

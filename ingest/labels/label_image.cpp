@@ -5,6 +5,7 @@
 #include <new>
 
 #include "common/try.h"
+#include "volume/frame_of_reference.h"
 
 namespace diaphane::ingest {
 namespace {
@@ -14,7 +15,7 @@ using Matrix = std::array<double, 9>;  // row-major
 
 tl::unexpected<Error> other_scan(const char* why) {
   return fail(ErrorCode::kInvalid,
-              std::string("These labels do not belong to this scan: ") + why + ".");
+              std::string("These labels do not belong to this scan: ") + why + ".", kOtherScan);
 }
 
 Vec times(const Matrix& m, const Vec& v) {
@@ -136,9 +137,8 @@ bool fill_row(const LabelImage& image, const Mapping& mapping, Vec at, std::uint
 }  // namespace
 
 Result<void> check_frame_of_reference(const std::string& labels, const volume::Header& scan) {
-  if (labels.empty() || scan.frame_of_reference.empty() || labels == scan.frame_of_reference) {
-    return {};
-  }
+  const std::string& own = scan.frame_of_reference;  // the UID itself while a scan is built
+  if (labels == own || volume::is_frame_of_reference(own, labels)) return {};
   return other_scan("they use another frame of reference");
 }
 

@@ -21,6 +21,9 @@ struct LabelImage {
   std::vector<std::uint8_t> voxels;  ///< as in LabelSet
 };
 
+/// The field of errors that say that labels belong to another scan.
+inline constexpr const char* kOtherScan = "scan";
+
 /// Says why labels do not belong to a scan: kInvalid if both name their frame of reference and the
 /// two differ.
 Result<void> check_frame_of_reference(const std::string& labels, const volume::Header& scan);

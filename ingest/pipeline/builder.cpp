@@ -21,6 +21,8 @@
 #include "common/try.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
+#include "ingest/pipeline/label_child.h"
+#include "volume/frame_of_reference.h"
 #include "volume/header.h"
 #include "volume/labels.h"
 
@@ -104,6 +106,40 @@ Result<void> take_volume(int fd, std::uint64_t most_voxels, Build& build) {
     return {};
   }
   volume::measure(build.volume, build.verdict.filler);
+  std::string& frame = build.volume.header.frame_of_reference;
+  frame = volume::hidden_frame_of_reference(frame).value_or("");
+  return {};
+}
+
+std::function<Result<void>(int, Build&)> take_volume_of(const SandboxBuilder::Options& options) {
+  return [most = options.quota_mb * kMb / 2](int output, Build& build) {
+    return take_volume(output, most, build);
+  };
+}
+
+/// Reads and checks the label set that the child wrote.
+Result<void> take_labels(int fd, const volume::Header& scan, Build& build) {
+  struct stat info {};
+  if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "cannot read the labels back");
+  const auto written = static_cast<std::uint64_t>(info.st_size);
+  if (written > volume::most_label_set_bytes(scan)) {
+    build.verdict = unsafe();
+    return {};
+  }
+  try {
+    build.labels.resize(written);
+    if (!read_at(fd, 0, build.labels.data(), build.labels.size())) {
+      return fail(ErrorCode::kInternal, "cannot read the labels back");
+    }
+    auto set = volume::decode_label_set(build.labels, scan.size);
+    if (!set) {
+      build.verdict = unsafe();
+      return {};
+    }
+    build.volume.label_set = *std::move(set);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "not enough memory for the labels");
+  }
   return {};
 }
 
@@ -172,28 +208,36 @@ std::optional<SandboxBuilder::DirectoryId> SandboxBuilder::directory_of(const st
   return DirectoryId(info.st_dev, info.st_ino);
 }
 
+Result<Fd> SandboxBuilder::open_upload(const std::string& path, Build& build) {
+  Fd input(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (input) {
+    uploads_ = directory_of(path);
+    return input;
+  }
+  if (errno != ENOENT) return fail(ErrorCode::kUnavailable, "cannot open the upload");
+  // A directory in which no upload has been found may be a mount point whose disk is missing.
+  const auto upload_directory = directory_of(path);
+  if (!upload_directory || upload_directory != uploads_) {
+    return fail(ErrorCode::kUnavailable, "the upload disk is not mounted");
+  }
+  build.file_missing = true;
+  return input;
+}
+
 Result<Build> SandboxBuilder::build(const UploadInput& upload,
                                     const ShouldContinue& should_continue) {
-  const Fd input(open(upload.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!input) {
-    if (errno != ENOENT) return fail(ErrorCode::kUnavailable, "cannot open the upload");
-    // A directory in which no upload has been found may be a mount point whose disk is missing.
-    const auto upload_directory = directory_of(upload.path);
-    if (!upload_directory || upload_directory != uploads_) {
-      return fail(ErrorCode::kUnavailable, "the upload disk is not mounted");
-    }
-    Build build;
-    build.file_missing = true;
-    return build;
-  }
-  uploads_ = directory_of(upload.path);
+  Build missing;
+  const auto opened = open_upload(upload.path, missing);
+  DIAPHANE_TRY(opened);
+  const Fd& input = *opened;
+  if (!input) return missing;
   const std::uint64_t room = room_bytes();
   if (room == 0) return no_room();
   const std::uint64_t light = options_.light_mb > 0 ? options_.light_mb * kMb : BuildBounds::kNone;
   return run(input.get(), kChildWord,
              {std::to_string(upload.quota_left.value_or(BuildBounds::kNone)), std::to_string(room),
               std::to_string(light)},
-             should_continue);
+             take_volume_of(options_), should_continue);
 }
 
 Result<Build> SandboxBuilder::cut(const CutInput& order, const ShouldContinue& should_continue) {
@@ -208,10 +252,28 @@ Result<Build> SandboxBuilder::cut(const CutInput& order, const ShouldContinue& s
     if (bytes > room_bytes()) return no_room();
   }
   return run(input.get(), kCutChildWord, {*std::move(header), volume::to_json(order.region)},
-             should_continue);
+             take_volume_of(options_), should_continue);
+}
+
+Result<Build> SandboxBuilder::place_labels(const LabelInput& labels,
+                                           const ShouldContinue& should_continue) {
+  Build missing;
+  const auto input = open_upload(labels.path, missing);
+  DIAPHANE_TRY(input);
+  if (!*input) return missing;
+  const std::uint64_t most = volume::most_label_set_bytes(labels.scan);
+  // Labels take far less than the most that they can, so this only keeps a full disk from filling.
+  if (std::min(most, labels.scan.voxel_count() / 8) > room_bytes()) return no_room();
+  auto header = volume::to_json(labels.scan);
+  DIAPHANE_TRY(header);
+  return run(
+      input->get(), kLabelChildWord, {*std::move(header)},
+      [&](int output, Build& build) { return take_labels(output, labels.scan, build); },
+      should_continue);
 }
 
 Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::string> more,
+                                  const TakeOutput& take_output,
                                   const ShouldContinue& should_continue) {
   Build build;
   const Fd output(unnamed_file(options_.scratch_dir));
@@ -238,7 +300,7 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
   if (!*verdict) return build;
   build.verdict = verdict_of(*end);
   if (build.verdict.ready) {
-    DIAPHANE_TRY(take_volume(output.get(), options_.quota_mb * kMb / 2, build));
+    DIAPHANE_TRY(take_output(output.get(), build));
   }
   return build;
 }
@@ -284,6 +346,13 @@ int run_child_with(const std::vector<std::string>& arguments) {
   dicom::ScanLimits limits;
   limits.most_voxels = quota / sizeof(std::int16_t);
   return run_child_main(limits, {bounds[0], bounds[1], bounds[2]}, sandbox);
+}
+
+int run_label_child_with(const std::vector<std::string>& arguments) {
+  SandboxLimits sandbox;
+  std::uint64_t quota = 0;
+  if (arguments.size() != 4 || !read_limits(arguments, sandbox, quota)) return kUsage;
+  return run_label_child_main(arguments[3], sandbox);
 }
 
 int run_cut_child_with(const std::vector<std::string>& arguments) {

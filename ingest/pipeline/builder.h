@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/fd.h"
 #include "common/result.h"
 #include "common/sandbox/sandbox.h"
 #include "ingest/dicom/scan.h"
@@ -20,6 +21,7 @@ namespace diaphane::ingest {
 struct Build {
   Verdict verdict;
   volume::Volume volume;  ///< valid with verdict.ready, with measured statistics
+  std::string labels;     ///< instead of a volume: the encoded label set (place_labels)
   bool stopped = false;   ///< `should_continue` returned false
   bool killed = false;    ///< something killed the child, probably the kernel for lack of memory
   bool delayed = false;   ///< the machine was too busy to finish in time
@@ -45,7 +47,14 @@ struct CutInput {
   volume::Region region;
 };
 
-/// Builds a volume from an upload, or cuts a stored volume, isolated from the contents of both.
+/// An upload of labels and the stored scan that they are for.
+struct LabelInput {
+  std::string path;
+  volume::Header scan;
+};
+
+/// Builds a volume from an upload, cuts a stored volume, or places labels on its grid, isolated
+/// from the contents of all of them.
 class Builder {
  public:
   using ShouldContinue = std::function<bool()>;
@@ -57,6 +66,9 @@ class Builder {
   /// Returns the kept part of a stored volume, which is not changed. Refuses if nothing would be
   /// left. The errors are those of build().
   virtual Result<Build> cut(const CutInput& input, const ShouldContinue& should_continue) = 0;
+  /// Returns the labels of an upload on the grid of a scan. The errors are those of build().
+  virtual Result<Build> place_labels(const LabelInput& input,
+                                     const ShouldContinue& should_continue) = 0;
 };
 
 /// Builds in a sandboxed child process (child.h), one per upload. A child that crashes over its
@@ -77,10 +89,16 @@ class SandboxBuilder final : public Builder {
   explicit SandboxBuilder(Options options) : options_(std::move(options)) {}
   Result<Build> build(const UploadInput& upload, const ShouldContinue& should_continue) override;
   Result<Build> cut(const CutInput& input, const ShouldContinue& should_continue) override;
+  Result<Build> place_labels(const LabelInput& input,
+                             const ShouldContinue& should_continue) override;
 
  private:
+  /// Reads what the child wrote to the file, if its verdict is "ready".
+  using TakeOutput = std::function<Result<void>(int output, Build& build)>;
   Result<Build> run(int input, const char* word, std::vector<std::string> more,
-                    const ShouldContinue& should_continue);
+                    const TakeOutput& take_output, const ShouldContinue& should_continue);
+  /// Opens an upload. Sets `build.file_missing` and returns no file if it is missing.
+  Result<Fd> open_upload(const std::string& path, Build& build);
   std::uint64_t room_bytes() const;
   /// Identifies a directory and the file system that is mounted there. nullopt if it cannot be
   /// determined.
@@ -93,5 +111,6 @@ class SandboxBuilder final : public Builder {
 /// Run in the child, with `arguments` as SandboxBuilder passes them.
 int run_child_with(const std::vector<std::string>& arguments);
 int run_cut_child_with(const std::vector<std::string>& arguments);
+int run_label_child_with(const std::vector<std::string>& arguments);
 
 }  // namespace diaphane::ingest

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "ingest/pipeline/builder.h"
@@ -24,12 +25,18 @@ class CheckedBuilder final : public Builder {
         report_(std::move(report)) {}
 
   Result<Build> build(const UploadInput& upload, const ShouldContinue& should_continue) override;
+  Result<Build> place_labels(const LabelInput& input,
+                             const ShouldContinue& should_continue) override;
   /// Not scanned again, because the upload of the volume was scanned.
   Result<Build> cut(const CutInput& input, const ShouldContinue& should_continue) override {
     return inner_.cut(input, should_continue);
   }
 
  private:
+  /// Returns nullopt if `path` may be read.
+  std::optional<Result<Build>> check(const std::string& path,
+                                     const ShouldContinue& should_continue);
+
   Clamd clamd_;
   bool pass_unchecked_;
   Builder& inner_;

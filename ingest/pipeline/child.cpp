@@ -36,13 +36,18 @@ int write_all(int fd, const char* data, std::size_t bytes) {
 
 }  // namespace
 
-int write_output(const volume::Volume& volume) {
-  const std::string labels = volume::encode(label_body(volume));
-  int error = write_all(kChildOutput, reinterpret_cast<const char*>(volume.voxels.data()),
-                        volume.voxels.size() * sizeof(std::int16_t));
-  if (error == 0) error = write_all(kChildOutput, labels.data(), labels.size());
+int write_output(std::string_view bytes) {
+  const int error = write_all(kChildOutput, bytes.data(), bytes.size());
   if (error == 0) return 0;
   return error == ENOSPC || error == EDQUOT ? kChildNoRoom : kChildDiskFails;
+}
+
+int write_output(const volume::Volume& volume) {
+  const std::string labels = volume::encode(label_body(volume));
+  const int exit_code =
+      write_output(std::string_view(reinterpret_cast<const char*>(volume.voxels.data()),
+                                    volume.voxels.size() * sizeof(std::int16_t)));
+  return exit_code != 0 ? exit_code : write_output(labels);
 }
 
 int send_report(const Verdict& verdict) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <string_view>
 
 #include "common/sandbox/sandbox.h"
 #include "ingest/dicom/scan.h"
@@ -51,6 +52,8 @@ int run_child_main(const dicom::ScanLimits& limits, const BuildBounds& bounds,
 /// Writes the voxels of a measured volume and then its encoded labels (volume/labels.h) to
 /// kChildOutput. Returns the child's exit code, or 0.
 int write_output(const volume::Volume& volume);
+/// Writes bytes to kChildOutput. Returns the child's exit code, or 0.
+int write_output(std::string_view bytes);
 /// Sends the report to kChildReport and returns the child's exit code.
 int send_report(const Verdict& verdict);
 

@@ -25,9 +25,10 @@ struct Job {
   std::string upload_id;    ///< the file <upload-dir>/<upload_id>.tar
   int attempts = 0;  ///< earlier attempts that failed because the machine had too little memory
   std::optional<CutOrder> cut;  ///< if set, there is no upload
+  bool labels = false;          ///< the upload is a file of labels for a scan that is ready
   int waits = 0;                ///< number of consecutive waits, see JobStore::wait
   int interruptions = 0;        ///< how often its claimer ended without a result, see claim()
-  /// Bytes that the owner's quota leaves for the volume. nullopt: no limit.
+  /// Bytes that the owner's quota leaves for the volume and its labels. nullopt: no limit.
   std::optional<std::uint64_t> quota_left = std::nullopt;
 };
 
@@ -89,6 +90,13 @@ class JobStore {
                                   const std::string& head) = 0;
   /// Makes the data set "ready" unchanged, and gives its owner the reason.
   virtual Result<Hold> finish_cut_refused(const Job& job, const std::string& text) = 0;
+  /// Records that the scan has the labels of the upload, and otherwise does the same as
+  /// finish_ready().
+  virtual Result<Hold> finish_labels(const Job& job, const volume::LabelSet& labels,
+                                     std::uint64_t bytes) = 0;
+  /// Gives the owner the reason why the labels were refused. The scan keeps earlier ones.
+  virtual Result<Hold> finish_labels_refused(const Job& job, const std::string& code,
+                                             const std::string& text) = 0;
   /// Requeues the job without counting this attempt.
   virtual Result<void> release(const Job& job) = 0;
   /// Requeues the job to be tried again after `pause`, and shows its owner what it waits for. The

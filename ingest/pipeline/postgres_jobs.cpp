@@ -57,13 +57,12 @@ std::string array_of(const std::vector<std::string>& texts) {
   return array + "}";
 }
 
-/// Bytes that the quota of $1's owner leaves for $1, counted as in `api` (lock_quota): volumes, and
-/// the full length of uploads in progress. Returns no row without an owner.
+/// Bytes that the quota of $1's owner leaves for $1, counted as in `api` (lock_quota): volumes,
+/// labels, and the full length of uploads in progress. Returns no row without an owner.
 constexpr const char* kQuotaLeft = R"sql(
   SELECT GREATEST(0, o.quota_bytes - COALESCE((
-           SELECT sum(CASE WHEN d.state = 'ready' THEN d.volume_bytes
-                           WHEN d.state IN ('uploading', 'queued', 'building')
-                           THEN COALESCE(u.length, d.volume_bytes) END)
+           SELECT sum(COALESCE(d.volume_bytes, 0) + d.label_bytes + COALESCE(u.length, 0))
+                    FILTER (WHERE d.state IN ('uploading', 'queued', 'building', 'ready'))
              FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
             WHERE d.owner_id = o.id AND d.id <> $1), 0))::bigint AS quota_left
     FROM users o WHERE o.id = (SELECT owner_id FROM data_sets WHERE id = $1))sql";
@@ -81,7 +80,7 @@ constexpr const char* kClaimNext = R"sql(
     SELECT FROM ingest_jobs
      WHERE leased_by IS NULL AND interruptions > 1 AND not_before < now() - interval '10 minutes'),
   next AS (
-    SELECT j.data_set_id, d.owner_id
+    SELECT j.data_set_id, d.owner_id, j.for_labels
       FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
       LEFT JOIN uploads u ON u.id = j.upload_id
       LEFT JOIN ingest_turns t ON t.user_id = d.owner_id
@@ -96,7 +95,7 @@ constexpr const char* kClaimNext = R"sql(
      LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
   building AS (
     UPDATE data_sets d SET state = 'building', updated_at = now() FROM next
-     WHERE d.id = next.data_set_id),
+     WHERE d.id = next.data_set_id AND NOT next.for_labels),
   turn AS (
     INSERT INTO ingest_turns (user_id, served_at)
     SELECT owner_id, clock_timestamp() FROM next WHERE owner_id IS NOT NULL
@@ -107,7 +106,7 @@ constexpr const char* kClaimNext = R"sql(
   RETURNING j.data_set_id, COALESCE(j.upload_id::text, '') AS upload_id, j.attempts,
             j.cut::text AS cut, COALESCE(j.cut_of, '') AS cut_of,
             COALESCE(j.cut_result, '') AS cut_result, j.waits,
-            j.interruptions)sql";
+            j.interruptions, j.for_labels)sql";
 
 /// Reads a row of kClaimNext.
 Job job_of(const pqxx::row& row) {
@@ -117,6 +116,7 @@ Job job_of(const pqxx::row& row) {
   job.attempts = row["attempts"].as<int>();
   job.waits = row["waits"].as<int>();
   job.interruptions = row["interruptions"].as<int>();
+  job.labels = row["for_labels"].as<bool>();
   if (!row["cut"].is_null()) {
     auto region = volume::region_from_json(row["cut"].as<std::string>());
     // `api` validated the region with the same code. A region that is now invalid keeps nothing,
@@ -215,8 +215,8 @@ struct PostgresJobs::Impl {
           job.data_set_id, claimer, count_attempt, waiting_for, seconds_of(pause), to_large);
       if (updated.affected_rows() > 0) {
         transaction.exec_params(
-            "UPDATE data_sets SET state = 'queued', updated_at = now() WHERE id = $1",
-            job.data_set_id);
+            "UPDATE data_sets SET state = 'queued', updated_at = now() WHERE id = $1 AND NOT $2",
+            job.data_set_id, job.labels);
       }
       return data_set.size();
     });
@@ -229,14 +229,14 @@ struct PostgresJobs::Impl {
     const auto rows = transaction.exec_params(
         R"sql(
         WITH lost AS (
-          SELECT j.data_set_id,
+          SELECT j.data_set_id, j.for_labels,
                  CASE WHEN j.interruptions = 0 THEN 0
                       ELSE LEAST($1 * 2 ^ LEAST(j.interruptions - 1, 20), $2) END AS pause
             FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
            WHERE j.leased_until <= now() FOR UPDATE OF d, j SKIP LOCKED),
         queued AS (
           UPDATE data_sets d SET state = 'queued', updated_at = now() FROM lost
-           WHERE d.id = lost.data_set_id)
+           WHERE d.id = lost.data_set_id AND NOT lost.for_labels)
         UPDATE ingest_jobs j
            SET leased_by = NULL, leased_until = NULL, interruptions = interruptions + 1,
                waiting_for = 'interruption', not_before = now() + make_interval(secs => lost.pause)
@@ -379,7 +379,8 @@ Result<Hold> PostgresJobs::finish_cut(const Job& job, const volume::Header& head
     transaction.exec_params(
         R"sql(
         UPDATE data_sets
-           SET state = 'ready', anonymised_at = now(), cut_problem = NULL,
+           SET state = 'ready', anonymised_at = now(), cut_problem = NULL, label_bytes = 0,
+               label_count = 0, label_refusal_code = NULL, label_refusal_text = NULL,
                size_x = $2, size_y = $3, size_z = $4, volume_bytes = $5, head = $6::jsonb, updated_at = now()
          WHERE id = $1)sql",
         job.data_set_id, static_cast<int>(header.size[0]), static_cast<int>(header.size[1]),
@@ -412,6 +413,36 @@ Result<Hold> PostgresJobs::finish_cut_refused(const Job& job, const std::string&
     transaction.exec_params(
         "UPDATE data_sets SET state = 'ready', cut_problem = $2, updated_at = now() WHERE id = $1",
         job.data_set_id, text);
+    return hold;
+  });
+}
+
+Result<Hold> PostgresJobs::finish_labels(const Job& job, const volume::LabelSet& labels,
+                                         std::uint64_t bytes) {
+  return impl_->transact([&](pqxx::work& transaction) {
+    const Hold hold = impl_->take(transaction, job);
+    if (hold != Hold::kOurs) return hold;
+    transaction.exec_params(
+        R"sql(
+        UPDATE data_sets
+           SET label_bytes = $2, label_count = $3, label_refusal_code = NULL,
+               label_refusal_text = NULL, updated_at = now()
+         WHERE id = $1)sql",
+        job.data_set_id, static_cast<std::int64_t>(bytes), static_cast<int>(labels.table.size()));
+    return hold;
+  });
+}
+
+Result<Hold> PostgresJobs::finish_labels_refused(const Job& job, const std::string& code,
+                                                 const std::string& text) {
+  return impl_->transact([&](pqxx::work& transaction) {
+    const Hold hold = impl_->take(transaction, job);
+    if (hold != Hold::kOurs) return hold;
+    transaction.exec_params(
+        R"sql(
+        UPDATE data_sets SET label_refusal_code = $2, label_refusal_text = $3, updated_at = now()
+         WHERE id = $1)sql",
+        job.data_set_id, code, text);
     return hold;
   });
 }

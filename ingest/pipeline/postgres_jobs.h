@@ -37,6 +37,10 @@ class PostgresJobs final : public JobStore {
   Result<Hold> finish_cut(const Job& job, const volume::Header& header, std::uint64_t bytes,
                           const std::string& head) override;
   Result<Hold> finish_cut_refused(const Job& job, const std::string& text) override;
+  Result<Hold> finish_labels(const Job& job, const volume::LabelSet& labels,
+                             std::uint64_t bytes) override;
+  Result<Hold> finish_labels_refused(const Job& job, const std::string& code,
+                                     const std::string& text) override;
   Result<void> release(const Job& job) override;
   Result<void> wait(const Job& job, WaitReason reason, std::chrono::milliseconds pause,
                     bool count_attempt) override;

@@ -1,6 +1,7 @@
 #include "ingest/pipeline/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "common/bounded_json.h"
@@ -13,7 +14,7 @@ using nlohmann::json;
 
 constexpr std::size_t kLongestText = 400;
 constexpr std::size_t kMostRepairs = 20;
-/// The writer produces five values on two levels, but the child may be compromised.
+/// The writer produces six values on two levels, but the child may be compromised.
 constexpr JsonLimits kLimits{16, 4};
 
 bool is_code(std::string_view text) {
@@ -24,6 +25,11 @@ bool is_code(std::string_view text) {
 bool is_sentence(std::string_view text) {
   return text.size() <= kLongestText &&
          std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+}
+
+/// Whether a text is empty or a UID of DICOM.
+bool is_uid(std::string_view text) {
+  return text.size() <= 64 && text.find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
 }  // namespace
@@ -46,9 +52,19 @@ Verdict over_quota(std::uint64_t bytes, std::uint64_t left) {
 
 std::string write_report(const Verdict& verdict) {
   if (!verdict.ready) return json{{"code", verdict.code}, {"text", verdict.text}}.dump();
-  auto header = volume::to_json(verdict.header);
+  // Files are careless with what only labels need, so it is left out rather than refused.
+  volume::Header clean = verdict.header;
+  if (!is_uid(clean.frame_of_reference)) clean.frame_of_reference.clear();
+  if (clean.origin && !std::all_of(clean.origin->begin(), clean.origin->end(),
+                                   [](double v) { return std::isfinite(v); })) {
+    clean.origin.reset();
+  }
+  auto header = volume::to_json(clean);
   if (!header) return json{{"code", "internal"}, {"text", header.error().message}}.dump();
-  return json{{"header", *header}, {"filler", {verdict.filler.value, verdict.filler.count}}}.dump();
+  return json{{"header", *header},
+              {"filler", {verdict.filler.value, verdict.filler.count}},
+              {"frame", clean.frame_of_reference}}
+      .dump();
 }
 
 Result<Verdict> read_report(const std::string& report) {
@@ -65,7 +81,10 @@ Result<Verdict> read_report(const std::string& report) {
   }
   if (!body["header"].is_string()) return bad();
   auto header = volume::from_json(body["header"].get<std::string>());
-  if (!header || !header->content_hash.empty() || header->repairs.size() > kMostRepairs ||
+  const json frame = body.value("frame", json(""));
+  if (!frame.is_string() || !is_uid(frame.get_ref<const std::string&>())) return bad();
+  if (!header || !header->content_hash.empty() || !header->label_hash.empty() ||
+      !header->frame_of_reference.empty() || header->repairs.size() > kMostRepairs ||
       !std::all_of(header->repairs.begin(), header->repairs.end(), is_sentence)) {
     return bad();
   }
@@ -78,6 +97,7 @@ Result<Verdict> read_report(const std::string& report) {
   }
   verdict.filler = {filler[0].get<std::int16_t>(), filler[1].get<std::uint64_t>()};
   verdict.header = std::move(*header);
+  verdict.header.frame_of_reference = frame.get<std::string>();
   return verdict;
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/sandbox/supervisor.h"
 
 namespace diaphane::ingest {
@@ -23,6 +25,27 @@ TEST(Report, RoundTrips) {
   EXPECT_TRUE(again->ready);
   EXPECT_EQ(again->header.size, verdict.header.size);
   EXPECT_EQ(again->header.repairs, verdict.header.repairs);
+}
+
+TEST(Report, CarriesThePlaceOfAScanUnlessItIsInvalid) {
+  Verdict verdict;
+  verdict.ready = true;
+  verdict.header.size = {4, 3, 2};
+  verdict.header.frame_of_reference = "1.2.3";
+  verdict.header.origin = {1, 2, 3};
+  auto again = read_report(write_report(verdict));
+  ASSERT_TRUE(again.has_value());
+  EXPECT_EQ(again->header.frame_of_reference, "1.2.3");
+  EXPECT_EQ(again->header.origin, verdict.header.origin);
+  verdict.header.frame_of_reference = "M\xfcller";
+  verdict.header.origin = {1, std::nan(""), 3};
+  again = read_report(write_report(verdict));
+  ASSERT_TRUE(again.has_value());
+  EXPECT_EQ(again->header.frame_of_reference, "");
+  EXPECT_FALSE(again->header.origin);
+  std::string lying = write_report(verdict);
+  lying.replace(lying.find("\"frame\":\"\""), 10, "\"frame\":\"x\"");
+  EXPECT_FALSE(read_report(lying).has_value());
 }
 
 TEST(Report, RefusesReportsOfACompromisedChild) {

@@ -123,7 +123,8 @@ void Worker::work(const Job& job) {
   // Should never happen, but file paths contain these IDs.
   if (!is_id(job.data_set_id) || (!job.cut && !is_id(job.upload_id))) return;
   try {
-    job.cut ? work_cut(job) : work_upload(job);
+    if (job.cut) return work_cut(job);
+    job.labels ? work_labels(job) : work_upload(job);
   } catch (const std::bad_alloc&) {
     wait(job, WaitReason::kMemory, "ingestd is short of memory", false);
   }

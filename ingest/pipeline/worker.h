@@ -64,6 +64,9 @@ class Worker {
   void work(const Job& job);
   void work_upload(const Job& job);
   void finish(const Job& job, Build& build);
+  void work_labels(const Job& job);
+  void store_labels(const Job& job, const Build& build);
+  void refuse_labels(const Job& job, const std::string& code, const std::string& text);
   void work_cut(const Job& job);
   void finish_cut(const Job& job, const volume::Volume& volume);
   void refuse_cut(const Job& job, const std::string& text);

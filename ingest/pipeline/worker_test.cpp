@@ -63,6 +63,18 @@ class FakeJobs final : public JobStore {
     refusals.emplace_back(job.data_set_id, text);
     return Hold::kOurs;
   }
+  Result<Hold> finish_labels(const Job& job, const volume::LabelSet& labels,
+                             std::uint64_t) override {
+    if (away > 0) return gone<Hold>();
+    if (hold_at_finish != Hold::kOurs) return hold_at_finish;
+    labelled.emplace_back(job.data_set_id, labels.table.size());
+    return Hold::kOurs;
+  }
+  Result<Hold> finish_labels_refused(const Job& job, const std::string& code,
+                                     const std::string&) override {
+    refusals.emplace_back(job.data_set_id, code);
+    return Hold::kOurs;
+  }
   Result<void> release(const Job& job) override {
     released.push_back(job.data_set_id);
     return {};
@@ -108,6 +120,7 @@ class FakeJobs final : public JobStore {
   std::vector<Wait> waits;
   std::vector<std::string> ready, released, removed, noted, left_to_large;
   std::vector<std::pair<std::string, std::string>> refusals;
+  std::vector<std::pair<std::string, std::size_t>> labelled;
   volume::Header last_header;
 };
 
@@ -149,6 +162,21 @@ class FakeBuilder final : public Builder {
     result.volume = std::move(*left);
     return result;
   }
+  Result<Build> place_labels(const LabelInput& input, const ShouldContinue&) override {
+    ++builds;
+    if (failure) return tl::unexpected(*failure);
+    Build result;
+    result.killed = killed;
+    result.file_missing = file_missing;
+    result.verdict = verdict;
+    if (!verdict.ready) return result;
+    volume::LabelSet& set = result.volume.label_set;
+    set.table = {{.number = 3, .name = "Liver", .colour = {200, 40, 30}}};
+    set.labels.size = input.scan.size;
+    set.labels.voxels.assign(input.scan.voxel_count(), 1);
+    result.labels = volume::encode(set);
+    return result;
+  }
   Verdict verdict;
   std::optional<Error> failure;
   bool killed = false, delayed = false, too_large = false, no_memory = false, machine_short = false,
@@ -183,6 +211,21 @@ class WorkerTest : public ::testing::Test {
     jobs_.waiting.push_back(job);
     return job;
   }
+  /// Queues labels for a stored scan, which is made if `scan` names none.
+  Job put_labels(std::string scan = {}) {
+    Job job = put();
+    jobs_.waiting.back().labels = job.labels = true;
+    if (scan.empty()) {
+      scan = new_id();
+      volume::Volume volume;
+      volume.header.size = {4, 3, 2};
+      volume.voxels.assign(24, 7);
+      volume::measure(volume);
+      EXPECT_TRUE(volume::write(volume, (root_ / "volumes" / scan).string()).has_value());
+    }
+    jobs_.waiting.back().data_set_id = job.data_set_id = scan;
+    return job;
+  }
   bool original_there(const Job& job) const {
     return fs::exists(root_ / "uploads" / (job.upload_id + ".tar"));
   }
@@ -213,6 +256,43 @@ TEST_F(WorkerTest, RefusalRemovesUpload) {
   EXPECT_EQ(jobs_.refusals, (std::vector{std::pair(job.data_set_id, std::string("scout"))}));
   EXPECT_FALSE(original_there(job));
   EXPECT_FALSE(fs::exists(volume_of(job)));
+}
+
+TEST_F(WorkerTest, LabelsAreAddedToTheStoredScan) {
+  const Job job = put_labels();
+  auto w = worker();
+  EXPECT_TRUE(w.work_once());
+  EXPECT_EQ(jobs_.labelled, (std::vector{std::pair(job.data_set_id, std::size_t{1})}));
+  EXPECT_EQ(volume::read(volume_of(job).string(), false)->label_set.table.front().name, "Liver");
+  EXPECT_FALSE(original_there(job));
+}
+
+TEST_F(WorkerTest, RefusedLabelsLeaveTheScanAndItsEarlierLabels) {
+  put_labels();
+  EXPECT_TRUE(worker().work_once());
+  const std::string id = jobs_.labelled.front().first;
+  builder_.verdict = refused("labels_other_scan", "They belong to another scan.");
+  const Job again = put_labels(id);
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(jobs_.refusals, (std::vector{std::pair(id, std::string("labels_other_scan"))}));
+  EXPECT_FALSE(original_there(again));
+  EXPECT_EQ(volume::read(volume_of(again).string(), false)->label_set.table.size(), 1U);
+}
+
+TEST_F(WorkerTest, LabelsBeyondTheQuotaAreRefused) {
+  put_labels();
+  jobs_.waiting.front().quota_left = 24 * sizeof(std::int16_t);
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(jobs_.refusals.front().second, "over_quota");
+  EXPECT_TRUE(jobs_.labelled.empty());
+}
+
+TEST_F(WorkerTest, LabelsWaitWhileTheDiskIsUnavailable) {
+  const Job job = put_labels();
+  builder_.failure = Error{ErrorCode::kUnavailable, "the disk is unavailable", {}};
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(jobs_.waits.size(), 1U);
+  EXPECT_TRUE(original_there(job));
 }
 
 TEST_F(WorkerTest, KeepsResultUntilPostgresIsAvailable) {

@@ -48,8 +48,18 @@ v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
     (void)google::protobuf::util::JsonStringToMessage(*json, &message);
   }
   if (viewer != ViewerKind::kOwner && viewer != ViewerKind::kShared) message.clear_content_hash();
+  // Only ingest needs them.
+  message.clear_origin();
+  message.clear_frame_of_reference();
+  message.clear_label_hash();
   if (viewer == ViewerKind::kGuest) withhold(message, scene);
   return message;
+}
+
+/// Names of structures may tell more than a picture does, so only those whom the owner knows learn
+/// of them.
+bool may_know_labels(ViewerKind viewer) {
+  return viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared;
 }
 
 std::uint64_t random_seed() {
@@ -244,14 +254,18 @@ void LiveSession::carry_out(const effect::FindDepth& effect) {
   v1::ServerMessage message;
   v1::Depth& depth = *message.mutable_depth();
   depth.set_id(query.id());
+  std::uint32_t label = 0;
   if (const auto visible = visible_at(query.x(), query.y())) {
     depth.set_found(true);
     depth.set_distance(visible->distance);
     depth.mutable_place()->set_x(visible->place.x);
     depth.mutable_place()->set_y(visible->place.y);
     depth.mutable_place()->set_z(visible->place.z);
+    label = visible->label;
   }
   const std::lock_guard lock(mutex_);
+  const Receiver* const receiver = state_.audience.find(effect.connection);
+  if (receiver && may_know_labels(receiver->viewer)) depth.set_label(label);
   send(effect.connection, message);
 }
 
@@ -383,6 +397,14 @@ void LiveSession::send_config(std::uint64_t connection) {
   config.set_follower(!state_.audience.presents(*receiver));
   receiver->look_version = state_.requested.version;
   send(connection, message);
+  if (stats.labels.labels_size() > 0) send_labels(*receiver, stats.labels);
+}
+
+void LiveSession::send_labels(const Receiver& receiver, const v1::Labels& labels) {
+  if (!may_know_labels(receiver.viewer)) return;
+  v1::ServerMessage message;
+  *message.mutable_labels() = labels;
+  send(receiver.connection, message);
 }
 
 void LiveSession::send_scene(std::uint64_t connection) {

@@ -145,6 +145,8 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   /// Handles a serialised ClientMessage. Ignores messages of connections that have ended.
   void receive(std::uint64_t connection, const std::string& bytes);
   void closed(std::uint64_t connection);
+  /// Loads the volume again, because its labels in the store are others now.
+  void labels_changed();
   /// Ends the session with `why` as a fatal Problem for every viewer. Idempotent.
   void end(const Error& why);
   /// Ends a session that is no longer needed. Calls `ended` without notifying viewers.
@@ -233,6 +235,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   // All of these require the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
   void send_config(std::uint64_t connection);
+  void send_labels(const Receiver& receiver, const diaphane::v1::Labels& labels);
   void send_scene(std::uint64_t connection);
   void report_stats(std::size_t sessions, TimePoint now);
   void broadcast_participants();
@@ -267,6 +270,9 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void failed(const Error& why);
   Result<std::unique_ptr<FrameRenderer>> renderer_of(const Result<VolumeCache::Handle>& volume);
   void other_volume_ready(bool with_table, Result<VolumeCache::Handle> loaded);
+  void labels_ready(bool with_table, Result<VolumeCache::Handle> loaded);
+  /// Shows another copy of the volume.
+  void change_volume(VolumeCache::Handle volume, std::unique_ptr<FrameRenderer> renderer);
 
   // Textures are decoded before the runner receives the scene that uses them
   // (session_textures.cpp). Require the lock:

@@ -68,6 +68,9 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
 Result<VolumeCache::Handle> load_voxels(const Source& source, const std::string& id) {
   auto volume = source.read(id);
   DIAPHANE_TRY(volume);
+  // Slices show the stored values only, and other labels leave them as they are.
+  volume->label_set = {};
+  volume->header.label_hash.clear();
   return std::make_shared<const HostVolume>(std::move(*volume));
 }
 
@@ -99,7 +102,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
           },
           options.volume_bytes, 1,
           [store = options.volume_dir](const std::string& id) {
-            return volume::stored_hash(store + "/" + id);
+            return volume::stored_version(store + "/" + id);
           })),
       slicers_(std::make_unique<EncodePool>(1)),
       textures_(std::make_unique<EncodePool>(1, kTextureRest)),
@@ -136,9 +139,9 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
   std::condition_variable_any changed;
   std::unique_lock lock(mutex);
   while (!changed.wait_for(lock, stop, kPeriod, [] { return false; }) && !stop.stop_requested()) {
-    for (const std::string& id : volumes_->forget_outdated()) {
-      log::info("volume_unloaded", {{"volume", id}});
-      host_->volume_gone(id);
+    for (const VolumeCache::Outdated& volume : volumes_->forget_outdated()) {
+      log::info("volume_unloaded", {{"volume", volume.id}, {"labels", volume.only_labels}});
+      volume.only_labels ? host_->labels_changed(volume.id) : host_->volume_gone(volume.id);
     }
     voxels_->forget_unused();
     stats_.forget_expired();

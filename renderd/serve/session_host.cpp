@@ -365,6 +365,12 @@ void SessionHost::volume_gone(const std::string& volume_id) {
   }
 }
 
+void SessionHost::labels_changed(const std::string& volume_id) {
+  for (const Session& session : all()) {
+    if (session->facts().volume_id == volume_id) session->labels_changed();
+  }
+}
+
 std::vector<SessionHost::Session> SessionHost::all() const {
   const std::lock_guard lock(mutex_);
   std::vector<Session> sessions;

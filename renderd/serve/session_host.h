@@ -83,6 +83,8 @@ class SessionHost {
 
   /// Ends the sessions of a volume that was deleted or replaced in the store with NOT_FOUND.
   void volume_gone(const std::string& volume_id);
+  /// Lets the sessions of a volume show its new labels.
+  void labels_changed(const std::string& volume_id);
 
   std::vector<Live> live() const;
   std::vector<SavedSession> take_unsaved();

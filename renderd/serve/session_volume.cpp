@@ -1,8 +1,9 @@
 #include <utility>
 
+#include "common/log.h"
 #include "renderd/serve/session_turn.h"
 
-// LiveSession: the volume with or without what surrounds the body.
+// LiveSession: the volume with or without what surrounds the body, and with other labels.
 
 namespace diaphane::render {
 
@@ -30,8 +31,7 @@ void LiveSession::other_volume_ready(bool with_table, Result<VolumeCache::Handle
   if (ended_) return;
   Outcome outcome;
   if (renderer) {
-    parts_.runner.replace(runner_handle_, std::move(*renderer));
-    volume_ = std::move(*loaded);
+    change_volume(std::move(*loaded), std::move(*renderer));
     with_table_ = with_table;
   } else if (state_.requested.scene && state_.requested.scene->show_table() == with_table) {
     outcome = render::refused(state_, state_.requested, renderer.error());
@@ -39,6 +39,48 @@ void LiveSession::other_volume_ready(bool with_table, Result<VolumeCache::Handle
   }
   outcome.wake = true;
   apply_to_presenter(outcome);
+}
+
+void LiveSession::labels_changed() {
+  bool with_table = false;
+  {
+    const Turn turn(*this);
+    if (ended_ || !volume_) return;
+    with_table = with_table_;
+  }
+  parts_.volumes.get({facts_.volume_id, with_table},
+                     [self = shared_from_this(), with_table](Result<VolumeCache::Handle> loaded) {
+                       self->labels_ready(with_table, std::move(loaded));
+                     });
+}
+
+void LiveSession::labels_ready(bool with_table, Result<VolumeCache::Handle> loaded) {
+  auto renderer = renderer_of(loaded);
+  const Turn turn(*this);
+  // If the volume changed meanwhile, its new copy has the new labels, too.
+  if (ended_ || with_table != with_table_) return;
+  if (!renderer) {
+    log::warning("labels_not_shown",
+                 {{"session", facts_.id}, {"code", to_string(renderer.error().code)}});
+    return;
+  }
+  change_volume(std::move(*loaded), std::move(*renderer));
+  ++state_.requested.version;
+  Outcome outcome;
+  outcome.wake = true;
+  apply_to_presenter(outcome);
+}
+
+void LiveSession::change_volume(VolumeCache::Handle volume,
+                                std::unique_ptr<FrameRenderer> renderer) {
+  const std::string labels = volume_ ? volume_->header().label_hash : std::string();
+  parts_.runner.replace(runner_handle_, std::move(renderer));
+  volume_ = std::move(volume);
+  if (volume_->header().label_hash == labels) return;
+  const VolumeStats stats = parts_.stats.of(*volume_);
+  for (const Receiver& receiver : state_.audience.receivers) {
+    if (receiver.greeted) send_labels(receiver, stats.labels);
+  }
 }
 
 }  // namespace diaphane::render

@@ -108,6 +108,20 @@ bool is_hidden(const View& scene, Float3 place, float margin) {
   return walked.clear < 0.5f || (walked.slice.found && walked.slice.distance < most);
 }
 
+/// Returns the number of the label at a place (voxel indices), or 0.
+std::uint32_t label_at(const volume::Volume& volume, Float3 place) {
+  const volume::LabelSet& set = volume.label_set;
+  if (set.empty()) return 0;
+  const auto along = [&](float at, std::size_t axis) {
+    const std::uint32_t size = volume.header.size[axis];
+    return std::min(static_cast<std::size_t>(std::max(at, 0.0F)), std::size_t{size - 1});
+  };
+  const std::size_t x = along(place.x, 0), y = along(place.y, 1), z = along(place.z, 2);
+  const auto& size = volume.header.size;
+  const std::uint8_t value = set.labels.voxels[x + size[0] * (y + std::size_t{size[1]} * z)];
+  return value == 0 ? 0 : set.table[value - 1U].number;
+}
+
 }  // namespace
 
 std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume) {
@@ -163,6 +177,7 @@ std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
     visible.emplace();
     visible->place = frame.axes[0] * from_middle.x + frame.axes[1] * from_middle.y +
                      frame.axes[2] * from_middle.z;
+    visible->label = label_at(coarse.volume, index);
     visible->distance = dot(visible->place - vector_of(scene.camera().eye()),
                             CameraAxes(scene.camera()).back * -1.0);
   });

@@ -21,8 +21,9 @@ struct CoarseVolume {
 std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume);
 
 struct VisiblePoint {
-  Double3 place;        ///< mm in world space
-  double distance = 0;  ///< mm from the eye along the view axis
+  Double3 place;            ///< mm in world space
+  double distance = 0;      ///< mm from the eye along the view axis
+  std::uint32_t label = 0;  ///< number of the label at the place; 0: none
 };
 
 /// Returns the place at which half of what is visible at a point of the picture lies before and

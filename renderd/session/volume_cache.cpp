@@ -4,6 +4,8 @@
 #include <new>
 #include <utility>
 
+#include "volume/store.h"
+
 namespace diaphane::render {
 
 VolumeCache::VolumeCache(Load load, std::uint64_t bound, unsigned threads, Stored stored)
@@ -32,7 +34,7 @@ VolumeCache::~VolumeCache() {
 bool VolumeCache::is_outdated(const std::string& id, const Handle& copy) const {
   if (!stored_) return false;
   const auto now = stored_(id);
-  return now && *now != copy->header().content_hash;
+  return now && *now != volume::version_of(copy->header());
 }
 
 bool VolumeCache::forget(const VolumeKey& key, const Handle& copy) {
@@ -44,7 +46,7 @@ bool VolumeCache::forget(const VolumeKey& key, const Handle& copy) {
   return true;
 }
 
-std::vector<std::string> VolumeCache::forget_outdated() {
+std::vector<VolumeCache::Outdated> VolumeCache::forget_outdated() {
   std::vector<std::pair<VolumeKey, Handle>> copies;
   {
     const std::lock_guard lock(mutex_);
@@ -52,12 +54,17 @@ std::vector<std::string> VolumeCache::forget_outdated() {
       if (entry.volume) copies.emplace_back(key, entry.volume);
     }
   }
-  std::vector<std::string> forgotten;
+  std::vector<Outdated> forgotten;
   for (const auto& [key, copy] : copies) {
     // The store is queried without the lock, because a disk may be slow.
-    if (!is_outdated(key.id, copy) || !forget(key, copy)) continue;
+    const auto now = stored_ ? stored_(key.id) : std::nullopt;
+    const volume::Header& header = copy->header();
+    if (!now || *now == volume::version_of(header) || !forget(key, copy)) continue;
+    const bool only_labels = !now->empty() && now->substr(0, now->find(' ')) == header.content_hash;
     // Both copies of a volume follow each other.
-    if (forgotten.empty() || forgotten.back() != key.id) forgotten.push_back(key.id);
+    if (forgotten.empty() || forgotten.back().id != key.id) {
+      forgotten.push_back({key.id, only_labels});
+    }
   }
   return forgotten;
 }

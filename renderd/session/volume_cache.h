@@ -36,8 +36,9 @@ class VolumeCache {
   using Load = std::function<Result<Handle>(const VolumeKey& key)>;
   using Ready = std::function<void(Result<Handle>)>;
 
-  /// Returns the content hash of a volume in the store, or an empty string if the store does not
-  /// have it. Returns nullopt if the store cannot answer, and then no copy counts as outdated.
+  /// Returns the version (volume::version_of) of a volume in the store, or an empty string if the
+  /// store does not have it. Returns nullopt if the store cannot answer, and then no copy counts as
+  /// outdated.
   using Stored = std::function<std::optional<std::string>(const std::string& id)>;
 
   /// `bound` is in bytes as DeviceVolume counts them. With `stored`, copies that are no longer in
@@ -53,9 +54,13 @@ class VolumeCache {
   /// use, and this one does not fit beside them.
   void get(const VolumeKey& key, Ready ready);
 
-  /// Drops copies of volumes that were deleted or replaced in the store (anonymised), and returns
-  /// the ids. Their memory is freed once they are unused.
-  std::vector<std::string> forget_outdated();
+  struct Outdated {
+    std::string id;
+    bool only_labels = false;  ///< the voxels are as in the store
+  };
+  /// Drops copies of volumes that were deleted or replaced in the store (anonymised), or whose
+  /// labels were, and returns the ids. Their memory is freed once they are unused.
+  std::vector<Outdated> forget_outdated();
 
   /// Drops all volumes that are not in use, for callers that do not need them kept.
   void forget_unused();

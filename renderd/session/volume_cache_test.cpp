@@ -12,6 +12,12 @@
 namespace diaphane::render {
 namespace {
 
+std::vector<std::string> ids_of(const std::vector<VolumeCache::Outdated>& volumes) {
+  std::vector<std::string> ids;
+  for (const auto& volume : volumes) ids.push_back(volume.id);
+  return ids;
+}
+
 class FakeVolume final : public DeviceVolume {
  public:
   explicit FakeVolume(std::uint64_t bytes, std::string hash = {}) : bytes_(bytes) {
@@ -151,6 +157,19 @@ TEST(VolumeCache, NeverReturnsAReplacedVolume) {
   EXPECT_EQ(cache.bytes(), 100U);
 }
 
+TEST(VolumeCache, TellsNewLabelsFromNewVoxels) {
+  FakeStore store;
+  VolumeCache cache(store.load, 1000, 1, store.stored);
+  const auto held = wait_for(cache, "a");
+  store.hashes["a"] = (*held)->header().content_hash + " labels";
+  const auto outdated = cache.forget_outdated();
+  ASSERT_EQ(ids_of(outdated), std::vector<std::string>{"a"});
+  EXPECT_TRUE(outdated.front().only_labels);
+  wait_for(cache, "b");
+  store.hashes["b"] = "other labels";
+  ASSERT_EQ(cache.forget_outdated().size(), 1U);
+}
+
 TEST(VolumeCache, ForgetsVolumesThatWereDeletedFromTheStore) {
   FakeStore store;
   VolumeCache cache(store.load, 1000, 1, store.stored);
@@ -164,14 +183,14 @@ TEST(VolumeCache, ForgetsVolumesThatWereDeletedFromTheStore) {
     store.silent = true;
     EXPECT_TRUE(cache.forget_outdated().empty()) << "an unresponsive disk gives no information";
     store.silent = false;
-    EXPECT_EQ(cache.forget_outdated(), std::vector<std::string>{"a"});
+    EXPECT_EQ(ids_of(cache.forget_outdated()), std::vector<std::string>{"a"});
     EXPECT_EQ(cache.loaded(), std::vector<std::string>{"b"});
     EXPECT_EQ(cache.bytes(), 100U);
     EXPECT_FALSE(copy.expired()) << "it still has a viewer";
   }
   EXPECT_TRUE(copy.expired());
   store.hashes["b"] = "anonymised";
-  EXPECT_EQ(cache.forget_outdated(), std::vector<std::string>{"b"});
+  EXPECT_EQ(ids_of(cache.forget_outdated()), std::vector<std::string>{"b"});
   EXPECT_EQ(cache.bytes(), 0U);
 }
 
@@ -198,7 +217,7 @@ TEST(VolumeCache, KeepsAVolumeWithAndWithoutItsTable) {
   EXPECT_EQ(cache.loads(), 2U);
   EXPECT_EQ(cache.loaded(), std::vector<std::string>{"a"});
   store.hashes.erase("a");
-  EXPECT_EQ(cache.forget_outdated(), std::vector<std::string>{"a"});
+  EXPECT_EQ(ids_of(cache.forget_outdated()), std::vector<std::string>{"a"});
   EXPECT_EQ(cache.bytes(), 0U);
 }
 

@@ -1,5 +1,6 @@
 #include "renderd/session/volume_stats.h"
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -9,9 +10,31 @@
 
 namespace diaphane::render {
 
+namespace {
+
+diaphane::v1::Labels labels_of(const volume::Volume& volume) {
+  std::array<std::uint64_t, volume::kMostLabels + 1> voxels{};
+  for (const std::uint8_t label : volume.label_set.labels.voxels) ++voxels[label];
+  const auto& spacing = volume.header.spacing;
+  diaphane::v1::Labels labels;
+  std::size_t value = 0;
+  for (const volume::LabelEntry& entry : volume.label_set.table) {
+    const auto& [red, green, blue] = entry.colour;
+    auto& label = *labels.add_labels();
+    label.set_number(entry.number);
+    label.set_name(entry.name);
+    label.set_colour(std::uint32_t{red} << 16 | std::uint32_t{green} << 8 | blue);
+    label.set_volume(static_cast<double>(voxels[++value]) * spacing[0] * spacing[1] * spacing[2]);
+  }
+  return labels;
+}
+
+}  // namespace
+
 VolumeStats stats_of(const volume::Volume& volume) {
-  return {histogram_of(volume), coarse_of(volume), volume::has_support(volume),
-          visible_part(volume), shows_contrast_agent(volume)};
+  return {histogram_of(volume),         coarse_of(volume),
+          volume::has_support(volume),  visible_part(volume),
+          shows_contrast_agent(volume), labels_of(volume)};
 }
 
 void VolumeStatsCache::add(const std::shared_ptr<const DeviceVolume>& volume, VolumeStats stats) {

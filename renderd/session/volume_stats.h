@@ -19,6 +19,7 @@ struct VolumeStats {
   bool has_support = false;        ///< volume::has_support()
   std::optional<Framing> framing;  ///< visible_part()
   bool contrast_agent = false;     ///< shows_contrast_agent()
+  diaphane::v1::Labels labels{};
 };
 VolumeStats stats_of(const volume::Volume& volume);
 

@@ -270,6 +270,7 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "renameEnvironment": lambda world, who: {"name": "Park"},
     "createRecording": lambda world, who: RECORDING,
     "anonymise": lambda world, who: {"keep": KEEP, "volume_hash": world.volume_hash(), "confirm": "this cannot be undone"},
+    "addLabels": lambda world, who: {"bytes": 10},
     "describeDataSet": lambda world, who: {"title": "Another"},
     "setVisibility": lambda world, who: {"visibility": "private"},
     "shareWithPerson": lambda world, who: {"email": f"friend-{uuid.uuid4().hex}@example.org", "may": "view"},

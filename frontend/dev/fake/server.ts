@@ -40,6 +40,7 @@ const base = {
   refusal: null,
   volume: null,
   upload: null,
+  labels: null,
   waiting_for: null,
   created_at: now(),
   updated_at: now(),

@@ -209,6 +209,14 @@ export class Api {
     await this.send("DELETE", `/v1/data-sets/${id}`);
   }
 
+  addLabels(id: string, bytes: number): Promise<{ data_set: DataSet; upload_url: string }> {
+    return this.json("POST", `/v1/data-sets/${id}/labels`, { bytes });
+  }
+
+  async removeLabels(id: string): Promise<void> {
+    await this.send("DELETE", `/v1/data-sets/${id}/labels`);
+  }
+
   createSession(dataSetId: string, signal?: AbortSignal): Promise<Stream> {
     return this.json("POST", "/v1/sessions", { data_set_id: dataSetId }, signal ? { signal } : {});
   }

@@ -130,6 +130,21 @@ export interface DataSet {
     readonly received_bytes: number;
     readonly expires_at: string;
   } | null;
+  /** The labels of a ready scan. Only the owner gets this. */
+  readonly labels: {
+    readonly count: number;
+    readonly bytes: number;
+    /** The server reads an uploaded file. */
+    readonly placing: boolean;
+    readonly upload: {
+      readonly url: string;
+      readonly bytes: number;
+      readonly received_bytes: number;
+      readonly expires_at: string;
+    } | null;
+    /** Why the last file was refused. */
+    readonly refusal: { readonly code: string; readonly text: string } | null;
+  } | null;
   /** Only the owner gets this. */
   readonly shared: { readonly people: number; readonly links: number } | null;
   readonly taken_down: { readonly reason: string } | null;

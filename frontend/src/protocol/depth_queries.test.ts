@@ -37,7 +37,7 @@ describe("depth queries", () => {
     queries.receive(answer(2n, null));
     queries.receive(answer(1n, 480));
     queries.receive(answer(9n, 1)); // nobody asked
-    expect(await first).toEqual({ answered: true, seen: { distance: 480, place: { x: 1, y: 2, z: 3 } } });
+    expect(await first).toEqual({ answered: true, seen: { distance: 480, place: { x: 1, y: 2, z: 3 }, label: 0 } });
     expect(await second).toEqual({ answered: true, seen: null });
     expect(timers.size).toBe(0);
   });

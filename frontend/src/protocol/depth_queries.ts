@@ -8,6 +8,8 @@ export interface SeenPlace {
   readonly distance: number;
   /** In mm in world space. */
   readonly place: Vec3;
+  /** The number of the label there, or 0. */
+  readonly label: number;
 }
 
 export type Answered = { readonly answered: true; readonly seen: SeenPlace | null } | { readonly answered: false };
@@ -42,7 +44,7 @@ export class DepthQueries {
 
   receive(depth: Depth): void {
     const { x = 0, y = 0, z = 0 } = depth.place ?? {};
-    const seen = depth.found ? { distance: depth.distance, place: vec3(x, y, z) } : null;
+    const seen = depth.found ? { distance: depth.distance, place: vec3(x, y, z), label: depth.label } : null;
     this.settle(depth.id, { answered: true, seen });
   }
 

@@ -77,6 +77,7 @@ class World {
         errorCurve: (curve) => this.seen.push(`curve of ${curve.points.length}`),
         shared: () => this.seen.push("shared"),
         markSight: () => this.seen.push("markSight"),
+        labels: () => this.seen.push("labels"),
         kernel: (report) => this.seen.push(`without ${report.leftOut.join(", ")}`),
         problem: () => this.seen.push("problem"),
       },

@@ -42,6 +42,7 @@ import {
   type ErrorCurve,
   type KernelReport,
 } from "./file_messages";
+import type { Labels } from "./gen/api/proto/stream_pb";
 import type { MarkSight } from "./mark_messages";
 import type { SharedState } from "./shared_messages";
 import { SilenceWatch, type SilenceDependencies } from "./silence_watch";
@@ -104,6 +105,8 @@ export interface StreamEvents {
   /** What the other participants show. */
   shared(shared: SharedState): void;
   markSight(sight: MarkSight): void;
+  /** The labels of the scan, whenever they change. */
+  labels(labels: Labels): void;
 }
 
 /**
@@ -391,6 +394,7 @@ export class StreamClient {
       case "errorCurve":
       case "shared":
       case "markSight":
+      case "labels":
         this.events[body.case](body.value as never); // the value belongs to the case
         break;
       case "slicesStale":

@@ -1,3 +1,4 @@
+import { disguisedUid } from "./disguised_uid";
 import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./types";
 
 /**
@@ -10,7 +11,16 @@ import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./typ
 const keptTags: Readonly<
   Record<
     string,
-    "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type" | "lossy" | "offsets"
+    | "number"
+    | "us"
+    | "image_type"
+    | "modality"
+    | "class"
+    | "photometric"
+    | "rescale_type"
+    | "lossy"
+    | "offsets"
+    | "frame"
   >
 > = {
   x00080008: "image_type",
@@ -25,6 +35,7 @@ const keptTags: Readonly<
   x00200013: "number",
   x00200032: "number",
   x00200037: "number",
+  x00200052: "frame",
   x00200100: "number",
   x00280002: "us",
   x00280004: "photometric",
@@ -109,6 +120,8 @@ export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptEle
       return bytes.length % 8 === 0 ? { tag, vr: "OV", bytes: plain() } : null;
     case "lossy":
       return /^0[01]$/.test(text) ? coded(tag, "CS", text) : null;
+    case "frame":
+      return /^[0-9.]{1,64}$/.test(text) ? coded(tag, "UI", disguisedUid(text)) : null;
     case "class":
       return /^[0-9.]{1,64}$/.test(text) ? coded(tag, "UI", text) : null;
   }

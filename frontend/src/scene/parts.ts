@@ -1,7 +1,7 @@
 import type { Scene } from "../protocol/gen/api/proto/scene_pb";
 
 /** The parts that can be reset separately. The viewpoint has its own reset. */
-export type Part = "look" | "light" | "lens" | "cuts";
+export type Part = "look" | "light" | "lens" | "cuts" | "labels";
 
 /** Returns `scene` with this part as in `begun`. */
 export function resetPart(scene: Scene, begun: Scene, part: Part): Scene {
@@ -12,6 +12,8 @@ export function resetPart(scene: Scene, begun: Scene, part: Part): Scene {
       return taken(scene, begun, ["lights"]);
     case "lens":
       return withLensOf(taken(scene, begun, ["display", "phase", "shading", "bounces"]), begun);
+    case "labels":
+      return taken(scene, begun, ["labels"]);
     case "cuts":
       return taken(scene, begun, ["clip", "slices", "showTable"]);
   }

@@ -8,6 +8,7 @@ import { cut } from "./de/cut";
 import { home } from "./de/home";
 import { curve } from "./de/curve";
 import { kernel } from "./de/kernel";
+import { labels } from "./de/labels";
 import { legal } from "./de/legal";
 import { live } from "./de/live";
 import { myAccount } from "./de/my_account";
@@ -35,6 +36,7 @@ export const de: Texts = {
   home,
   curve,
   kernel,
+  labels,
   legal,
   live,
   marks,

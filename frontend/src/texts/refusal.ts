@@ -9,3 +9,10 @@ export function refusalText({ code, text }: NonNullable<DataSet["refusal"]>): st
   const count = /\d+/.exec(text)?.[0]; // Only the server's text contains the number.
   return reason && (reason.length === 0 || count !== undefined) ? reason(Number(count ?? 0)) : text;
 }
+
+/** Why the server refused a file of labels. */
+export function labelRefusalText({ code, text }: NonNullable<DataSet["refusal"]>): string {
+  if (language.value === "en") return text;
+  const reasons: Readonly<Record<string, string>> = t.labels.refused;
+  return (Object.hasOwn(reasons, code) ? reasons[code] : undefined) ?? t.labels.refused.other;
+}

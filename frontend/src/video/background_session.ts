@@ -24,6 +24,7 @@ const ignoredEvents: StreamEvents = {
   errorCurve: nothing,
   shared: nothing,
   markSight: nothing,
+  labels: nothing,
 };
 
 /** The progress of a background session. `Done` is its result, `Reason` a reason to fail that other sessions do not have. */

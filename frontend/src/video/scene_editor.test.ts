@@ -3,6 +3,7 @@ import { beforeEach, describe, expect, it } from "vitest";
 import { PhaseSchema, PresetSchema, SceneSchema } from "../protocol/gen/api/proto/scene_pb";
 import { ConfigSchema } from "../protocol/gen/api/proto/stream_pb";
 import { cameraOf, withClip, type Preset, type Scene } from "../protocol/messages";
+import { setShown } from "../scene/labels";
 import { setExposure } from "../scene/lens";
 import { someScene } from "../scene/testing";
 import { setDensity } from "../scene/transfer";
@@ -212,13 +213,15 @@ describe("the camera", () => {
 describe("presets", () => {
   const glass = () => preset("glass", denser(9)(someScene()));
 
-  it("change the look and keep the camera and the clip", () => {
+  it("change the look and keep the camera, the clip and the labels", () => {
     begin(someScene(), [preset("bone"), glass()]);
     editor.act(orbit);
     editor.change("clip", (scene) => withClip(scene, { low: [0, 0, 0], high: [9, 9, 9] }, []));
+    editor.change("label", (scene) => setShown(scene, 3, false));
     const before = editor.scene.value;
     editor.applyPreset(glass());
     expect(density(editor)).toBe(9);
+    expect(editor.scene.value?.labels).toEqual(before?.labels);
     expect(editor.scene.value?.camera).toEqual(before?.camera);
     expect(editor.scene.value?.clip).toEqual(before?.clip);
     editor.undo();

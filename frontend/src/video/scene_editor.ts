@@ -124,7 +124,7 @@ export class SceneEditor {
       ...(now?.camera ? { camera: now.camera } : {}),
       ...(now?.clip ? { clip: now.clip } : {}),
       ...(now?.slices ? { slices: now.slices } : {}),
-      ...(now ? { showTable: now.showTable } : {}),
+      ...(now ? { showTable: now.showTable, labels: now.labels } : {}),
     };
     this.setScene({ ...preset.scene, ...kept }, { what: `preset ${preset.name}`, held: false }, true);
   }

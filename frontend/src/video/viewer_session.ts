@@ -9,6 +9,7 @@ import type { After } from "../live/paced";
 import type { Place } from "../live/place";
 import type { Answered } from "../protocol/depth_queries";
 import { encodeCurveQuery, encodeKernelQuery, type KernelReport } from "../protocol/file_messages";
+import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
 import { encodeHand } from "../protocol/mark_messages";
 import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
 import { firstState, type ConnectionState } from "../protocol/connection";
@@ -83,6 +84,8 @@ export class ViewerSession {
   readonly treatment = signal<Treatment | null>(null);
   /** The histogram of the volume, if the worker has sent it. */
   readonly histogram = signal<Histogram | null>(null);
+  /** The labels of the scan, if it has any and this user may know them. */
+  readonly labels = signal<readonly Label[]>([]);
   /** The participants, once they are known. */
   readonly audience = signal<Audience | null>(null);
   /** How much work a picture is worth. The setting belongs to the user, not to a scan. */
@@ -392,6 +395,7 @@ export class ViewerSession {
         this.collaboration.receive(shared);
         this.sharedMarks.receive(shared);
       },
+      labels: ({ labels }) => (this.labels.value = labels),
       markSight: (sight) => this.sharedMarks.receiveSight(sight),
     };
   }
@@ -418,6 +422,7 @@ export class ViewerSession {
     this.treatment.value = config.treatment ?? null;
     this.slices.configured(stacksOf(config.sliceStacks), config.volume);
     this.histogram.value = config.histogram ?? null;
+    this.labels.value = []; // sent next, if there are any
     this.collaboration.connected();
     this.sharedMarks.connected();
     const untouched = !config.follower && config.inputSeq === 0n && this.client.inputSeq === 0;

@@ -30,9 +30,11 @@ export interface ScanCardProps {
   readonly onRename: () => void;
   /** Opens the log of who viewed the scan. */
   readonly onViews: () => void;
+  /** Opens the labels of the scan. */
+  readonly onLabels: () => void;
 }
 
-export function ScanCard({ set, upload, onRemove, onRename, onViews }: ScanCardProps) {
+export function ScanCard({ set, upload, onRemove, onRename, onViews, onLabels }: ScanCardProps) {
   const { state } = set;
   const ready = state === "ready";
   const title = titleOf(set);
@@ -71,6 +73,7 @@ export function ScanCard({ set, upload, onRemove, onRename, onViews }: ScanCardP
       {set.owned ? (
         <div class="card-tools">
           {ready ? <IconButton icon="eye" label={t.sharing.views.openOf(title)} onClick={onViews} /> : null}
+          {ready ? <IconButton icon="tag" label={t.labels.title(title)} onClick={onLabels} /> : null}
           <IconButton icon="pencil" label={t.scans.rename(title)} onClick={onRename} />
           <IconButton icon="trash" label={remove} onClick={onRemove} />
         </div>
@@ -115,6 +118,7 @@ function Details({ set, upload }: { readonly set: DataSet; readonly upload: Uplo
         <p class="muted">
           {t.add.slices(set.volume.size[2])} · {t.add.size(x, y, z)}
           {set.owned ? ` · ${t.scans.addedOn(dayShortText(set.created_at))}` : ""}
+          {set.labels && set.labels.count > 0 ? ` · ${t.labels.onCard(set.labels.count)}` : ""}
         </p>
         {set.volume.repairs.length > 0 ? <Corrections sentences={set.volume.repairs} /> : null}
       </>

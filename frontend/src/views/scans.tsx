@@ -8,6 +8,7 @@ import { Dialog } from "./dialog";
 import { bytesText } from "./format";
 import { addFiles } from "./files_for_add";
 import { Icon } from "./icons";
+import { LabelsDialog } from "./labels/labels_dialog";
 import { Loading } from "./loading";
 import { Link } from "./router";
 import { RenameDialog } from "./rename_dialog";
@@ -26,10 +27,11 @@ const orderKey = "diaphane.scan_order";
 
 export function Scans() {
   const app = useApp();
-  const { sets, fault, remove, rename } = useScans();
+  const { sets, fault, remove, rename, reload } = useScans();
   const [removing, setRemoving] = useState<DataSet | null>(null);
   const [renaming, setRenaming] = useState<DataSet | null>(null);
   const [viewsOf, setViewsOf] = useState<DataSet | null>(null);
+  const [labelsOf, setLabelsOf] = useState<DataSet | null>(null);
   useFocusKept(sets?.length);
   useDroppedFiles(addFiles);
   return (
@@ -53,6 +55,16 @@ export function Scans() {
           onRemove={setRemoving}
           onRename={setRenaming}
           onViews={setViewsOf}
+          onLabels={setLabelsOf}
+        />
+      ) : null}
+      {labelsOf ? (
+        <LabelsDialog
+          set={labelsOf}
+          onClose={() => {
+            setLabelsOf(null);
+            reload();
+          }}
         />
       ) : null}
       {viewsOf ? <ViewLogDialog dataSetId={viewsOf.id} onClose={() => setViewsOf(null)} /> : null}
@@ -136,9 +148,10 @@ interface ListProps {
   readonly onRemove: (set: DataSet) => void;
   readonly onRename: (set: DataSet) => void;
   readonly onViews: (set: DataSet) => void;
+  readonly onLabels: (set: DataSet) => void;
 }
 
-function List({ sets, uploads, onRemove, onRename, onViews }: ListProps) {
+function List({ sets, uploads, onRemove, onRename, onViews, onLabels }: ListProps) {
   useWarmThumbnails(sets.filter((set) => set.state === "ready").slice(0, warmed));
   const [order, setOrder] = useState(() => scanOrderOf(local.getItem(orderKey)));
   const ordered = inOrder(sets, order, place());
@@ -153,6 +166,7 @@ function List({ sets, uploads, onRemove, onRename, onViews }: ListProps) {
         onRemove={() => onRemove(set)}
         onRename={() => onRename(set)}
         onViews={() => onViews(set)}
+        onLabels={() => onLabels(set)}
       />
     </li>
   );

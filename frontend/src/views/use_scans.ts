@@ -66,7 +66,8 @@ export function useScans() {
     const changed = await app.api.sharing.describe(set.id, { title });
     setSets((before) => before?.map((one) => (one.id === set.id ? changed : one)) ?? null);
   };
-  return { sets, fault, remove, rename };
+  const reload = () => setRound(round + 1);
+  return { sets, fault, remove, rename, reload };
 }
 
 /** Elsewhere, these mean that what a person asked for has failed. The list is loaded again by itself. */

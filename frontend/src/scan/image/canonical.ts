@@ -26,7 +26,8 @@ export function canonicalHeader(image: ImageHeader & { readonly type: VoxelType 
   if (image.axes) {
     shorts(254, [1]);
     const [x, y, z] = [fromRas(image.axes[0]), fromRas(image.axes[1]), fromRas(image.axes[2])];
-    [0, 1, 2].forEach((row) => floats(280 + 16 * row, [x[row] ?? 0, y[row] ?? 0, z[row] ?? 0, 0]));
+    const origin = fromRas(image.origin ?? [0, 0, 0]);
+    [0, 1, 2].forEach((row) => floats(280 + 16 * row, [x[row] ?? 0, y[row] ?? 0, z[row] ?? 0, origin[row] ?? 0]));
   }
   text(328, image.modality);
   text(344, "n+1");

@@ -26,6 +26,8 @@ export interface ImageHeader {
   readonly littleEndian: boolean;
   /** The step from voxel to voxel along each axis, in mm in the patient's space (LPS). Null if the file does not say. */
   readonly axes: readonly [Triple, Triple, Triple] | null;
+  /** Centre of the first voxel in mm in the patient's space (LPS). Null if the file does not say. */
+  readonly origin: Triple | null;
   /** In mm, for a file without axes. */
   readonly spacing: Triple;
   readonly slope: number;
@@ -43,6 +45,9 @@ export interface ImageHeader {
 export const voxelBytes = ({ size: [x, y, z], type }: ImageHeader): number => x * y * z * (type ? bytesOf[type] : 1);
 
 export const fromRas = ([x, y, z]: Triple): Triple => [-x, -y, z];
+
+/** The place that three numbers mean, or null if they are not three numbers. */
+export const placeOrNull = (place: Triple): Triple | null => (place.every(Number.isFinite) ? place : null);
 
 export const triple = (numbers: readonly number[], at = 0): Triple => [
   numbers[at] ?? Number.NaN,

@@ -1,4 +1,13 @@
-import { numbersIn, textBefore, times, triple, type ImageHeader, type ImageRead, type VoxelType } from "./header";
+import {
+  numbersIn,
+  placeOrNull,
+  textBefore,
+  times,
+  triple,
+  type ImageHeader,
+  type ImageRead,
+  type VoxelType,
+} from "./header";
 
 const types: Readonly<Record<string, VoxelType>> = {
   MET_CHAR: "int8",
@@ -51,6 +60,7 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
             times(triple(matrix, 6), spacing[2]),
           ]
         : null,
+    origin: placeOrNull(triple(numbersIn(get("Offset", "Position", "Origin") ?? ""))),
     spacing,
     slope: 1,
     intercept: 0,

@@ -1,4 +1,13 @@
-import { fromRas, times, triple, type ImageHeader, type ImageRead, type Triple, type VoxelType } from "./header";
+import {
+  fromRas,
+  placeOrNull,
+  times,
+  triple,
+  type ImageHeader,
+  type ImageRead,
+  type Triple,
+  type VoxelType,
+} from "./header";
 
 // Offsets of nifti1.h and nifti2.h (R. Cox et al. 2004, 2011).
 
@@ -41,6 +50,7 @@ export function readNifti(bytes: Uint8Array): ImageRead {
     type: types.get(code) ?? null,
     littleEndian: little,
     axes: axesOf(fields, mm),
+    origin: originOf(fields, mm),
     spacing: times(triple(pixdim.map(Math.abs), 1), mm),
     slope: isScaled ? fields.slope : 1,
     intercept: isScaled ? fields.intercept : 0,
@@ -64,6 +74,7 @@ interface Fields {
   readonly sform: number;
   /** b, c and d of the quaternion. */
   readonly quaternion: readonly number[];
+  readonly offset: readonly number[];
   /** The rows of the matrix, with four numbers each. */
   readonly srow: readonly number[];
 }
@@ -87,6 +98,7 @@ function fields1(view: DataView, little: boolean): Fields {
     qform: short(252),
     sform: short(254),
     quaternion: list(3, (i) => float(256 + 4 * i)),
+    offset: list(3, (i) => float(268 + 4 * i)),
     srow: list(12, (i) => float(280 + 4 * i)),
   };
 }
@@ -106,6 +118,7 @@ function fields2(view: DataView, little: boolean): Fields {
     qform: view.getInt32(344, little),
     sform: view.getInt32(348, little),
     quaternion: list(3, (i) => double(352 + 8 * i)),
+    offset: list(3, (i) => double(376 + 8 * i)),
     srow: list(12, (i) => double(400 + 8 * i)),
   };
 }
@@ -115,6 +128,11 @@ function axesOf({ sform, srow, qform, quaternion, pixdim }: Fields, mm: number):
   const column = (i: number): Triple => [srow[i] ?? Number.NaN, srow[4 + i] ?? Number.NaN, srow[8 + i] ?? Number.NaN];
   const axes = sform > 0 ? ([column(0), column(1), column(2)] as const) : qform > 0 ? turned(quaternion, pixdim) : null;
   return axes && [fromRas(times(axes[0], mm)), fromRas(times(axes[1], mm)), fromRas(times(axes[2], mm))];
+}
+
+function originOf({ sform, srow, qform, offset }: Fields, mm: number): Triple | null {
+  const place = sform > 0 ? [srow[3], srow[7], srow[11]] : qform > 0 ? offset : [];
+  return placeOrNull(fromRas(times(triple(place.map((one) => one ?? Number.NaN)), mm)));
 }
 
 function turned(

@@ -1,6 +1,7 @@
 import {
   lengths,
   numbersIn,
+  placeOrNull,
   textBefore,
   triple,
   type ImageHeader,
@@ -84,6 +85,7 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
       ] ?? null,
     littleEndian: get("endian")?.toLowerCase() !== "big",
     axes: axesOf(axes, space),
+    origin: space ? placeOrNull(along(triple(numbersIn(get("space origin") ?? "")), space)) : null,
     spacing:
       axes[0] && axes[1] && axes[2]
         ? lengths([axes[0], axes[1], axes[2]])
@@ -97,10 +99,12 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
   };
 }
 
+const along = (a: Triple, space: Triple): Triple => [a[0] * space[0], a[1] * space[1], a[2] * space[2]];
+
 function axesOf(axes: readonly (Triple | null | undefined)[], space: Triple | undefined): ImageHeader["axes"] {
   const [x, y, z] = axes;
   if (!x || !y || !z || !space) return null;
-  const inLps = (axis: Triple): Triple => [axis[0] * space[0], axis[1] * space[1], axis[2] * space[2]];
+  const inLps = (axis: Triple): Triple => along(axis, space);
   return [inLps(x), inLps(y), inLps(z)];
 }
 

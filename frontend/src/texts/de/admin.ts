@@ -65,6 +65,8 @@ export const admin: Texts["admin"] = {
     "data-set.anonymise-ordered": "Anonymisierung angefordert",
     "data-set.anonymised": "Aufnahme anonymisiert",
     "data-set.deleted": "Aufnahme gelöscht",
+    "data-set.labels-added": "Strukturen zur Aufnahme hinzugefügt",
+    "data-set.labels-removed": "Strukturen der Aufnahme entfernt",
     "data-set.link-ended": "Link zur Aufnahme deaktiviert",
     "data-set.link-made": "Link zur Aufnahme erstellt",
     "data-set.live-link-made": "Link zur gemeinsamen Ansicht erstellt",

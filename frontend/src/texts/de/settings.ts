@@ -37,6 +37,7 @@ export const settings: Texts["settings"] = {
     light: "Licht",
     lens: "Objektiv und Qualität",
     cuts: "Schnitte und Schichten",
+    labels: "Strukturen",
     marks: "Markierungen",
   },
   reset: {
@@ -44,6 +45,7 @@ export const settings: Texts["settings"] = {
     light: "Licht zurücksetzen",
     lens: "Objektiv und Qualität zurücksetzen",
     cuts: "Alle Schnitte und Schichten entfernen",
+    labels: "Strukturen wie am Anfang zeigen",
     marks: "Alle meine Markierungen löschen",
   },
   move: (window) => `${window} bewegen`,

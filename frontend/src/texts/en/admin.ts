@@ -63,6 +63,8 @@ export const admin = {
     "data-set.anonymise-ordered": "Anonymisation requested",
     "data-set.anonymised": "Scan anonymised",
     "data-set.deleted": "Scan deleted",
+    "data-set.labels-added": "Labels of scan added",
+    "data-set.labels-removed": "Labels of scan removed",
     "data-set.link-ended": "Link to scan disabled",
     "data-set.link-made": "Link to scan created",
     "data-set.live-link-made": "Link to live view created",

@@ -7,6 +7,7 @@ import { cut } from "./cut";
 import { home } from "./home";
 import { curve } from "./curve";
 import { kernel } from "./kernel";
+import { labels } from "./labels";
 import { legal } from "./legal";
 import { live } from "./live";
 import { marks } from "./marks";
@@ -34,6 +35,7 @@ export const en = {
   home,
   curve,
   kernel,
+  labels,
   legal,
   live,
   marks,

@@ -9,7 +9,8 @@ import { LensWindow } from "./lens_window";
 import { LightWindow } from "./light_window";
 import { MarksWindow } from "../../marks/marks_window";
 import { LookWindow } from "./look_window";
-import { SettingsMenu } from "./settings_menu";
+import { LabelsWindow } from "../../labels/labels_window";
+import { hasWindow, SettingsMenu } from "./settings_menu";
 import { SettingsWindow } from "./settings_window";
 import { useWindowLayout } from "./use_window_layout";
 
@@ -22,7 +23,14 @@ export interface SettingsProps {
   readonly picture: InPicture;
 }
 
-const views = { look: LookWindow, light: LightWindow, lens: LensWindow, cuts: CutsWindow, marks: MarksWindow } as const;
+const views = {
+  look: LookWindow,
+  light: LightWindow,
+  lens: LensWindow,
+  cuts: CutsWindow,
+  labels: LabelsWindow,
+  marks: MarksWindow,
+} as const;
 const narrowPage = "(max-width: 700px), (max-height: 420px)";
 
 /** The menu on the left and the windows that it opens (thesis, 4.1 and 5.3). */
@@ -36,29 +44,31 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
   return (
     <>
       <SettingsMenu session={session} leads={leads} shown={shown} toggle={toggle} menu={menu} />
-      {shown.map((name) => {
-        const View = views[name];
-        const reset = () => (name === "marks" ? session.marks.clear() : session.reset(name));
-        const isReset = name === "marks" && !session.marks.items.value.some((mark) => session.marks.isOwn(mark));
-        const mayChange = name === "marks" || (leads && (name !== "cuts" || cuts));
-        return (
-          <SettingsWindow
-            key={name}
-            name={name}
-            layout={layout}
-            narrow={narrow}
-            fresh={fresh === name}
-            onMove={(x, y) => move(name, x, y)}
-            onDock={() => dock(name)}
-            onClose={() => close(name)}
-            onReset={mayChange ? reset : null}
-            isReset={isReset}
-            disabledReason={leads ? t.settings.notForGuests : t.settings.notYours}
-          >
-            <View session={session} leads={mayChange} picture={picture} />
-          </SettingsWindow>
-        );
-      })}
+      {shown
+        .filter((name) => hasWindow(session, name))
+        .map((name) => {
+          const View = views[name];
+          const reset = () => (name === "marks" ? session.marks.clear() : session.reset(name));
+          const isReset = name === "marks" && !session.marks.items.value.some((mark) => session.marks.isOwn(mark));
+          const mayChange = name === "marks" || (leads && (name !== "cuts" || cuts));
+          return (
+            <SettingsWindow
+              key={name}
+              name={name}
+              layout={layout}
+              narrow={narrow}
+              fresh={fresh === name}
+              onMove={(x, y) => move(name, x, y)}
+              onDock={() => dock(name)}
+              onClose={() => close(name)}
+              onReset={mayChange ? reset : null}
+              isReset={isReset}
+              disabledReason={leads ? t.settings.notForGuests : t.settings.notYours}
+            >
+              <View session={session} leads={mayChange} picture={picture} />
+            </SettingsWindow>
+          );
+        })}
     </>
   );
 }

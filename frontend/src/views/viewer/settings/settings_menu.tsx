@@ -9,8 +9,13 @@ const icons: Readonly<Record<WindowName, IconName>> = {
   light: "lamp",
   lens: "aperture",
   cuts: "slice",
+  labels: "tag",
   marks: "pencil",
 };
+
+/** Whether there is something to set in a window. Most scans have no labels. */
+export const hasWindow = (session: ViewerSession, name: WindowName): boolean =>
+  name !== "labels" || session.labels.value.length > 0;
 
 export interface SettingsMenuProps {
   readonly session: ViewerSession;
@@ -29,20 +34,22 @@ export function SettingsMenu({ session, leads, shown, toggle, menu }: SettingsMe
       <StepButton icon="undo" possible={leads && past.length > 0} step={() => editor.undo()} />
       <StepButton icon="redo" possible={leads && future.length > 0} step={() => editor.redo()} />
       <hr />
-      {windowNames.map((name) => (
-        <button
-          key={name}
-          type="button"
-          class="icon-button"
-          data-opens={name}
-          aria-label={t.settings.windows[name]}
-          title={t.settings.windows[name]}
-          aria-expanded={shown.includes(name)}
-          onClick={() => toggle(name)}
-        >
-          <Icon name={icons[name]} />
-        </button>
-      ))}
+      {windowNames
+        .filter((name) => hasWindow(session, name))
+        .map((name) => (
+          <button
+            key={name}
+            type="button"
+            class="icon-button"
+            data-opens={name}
+            aria-label={t.settings.windows[name]}
+            title={t.settings.windows[name]}
+            aria-expanded={shown.includes(name)}
+            onClick={() => toggle(name)}
+          >
+            <Icon name={icons[name]} />
+          </button>
+        ))}
     </nav>
   );
 }

@@ -1,0 +1,71 @@
+import { create } from "@bufbuild/protobuf";
+import { LabelLookSchema, type LabelLook, type Rgb, type Scene } from "../protocol/gen/api/proto/scene_pb";
+import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
+import { hexOf, rgbOf } from "./colour";
+import { within } from "./numbers";
+
+/** How the labels of a scan are shown. A label without a look is shown as the matter that it is. */
+
+/** The number of the voxels that belong to no label. */
+export const unlabelled = 0;
+
+/** The colour that the file of labels suggests. */
+export const suggestedColour = ({ colour }: Pick<Label, "colour">): Rgb =>
+  rgbOf(`#${colour.toString(16).padStart(6, "0")}`);
+
+export const lookOf = (scene: Scene, number: number): LabelLook | undefined =>
+  scene.labels.find((look) => look.number === number);
+
+export const opacityOf = (scene: Scene, number: number): number => lookOf(scene, number)?.opacity ?? 1;
+export const isShown = (scene: Scene, number: number): boolean => opacityOf(scene, number) > 0;
+export const isSolo = (scene: Scene, number: number): boolean => lookOf(scene, number)?.solo ?? false;
+
+/** Changes the look of one label. A look that changes nothing is left out. */
+function withLook(scene: Scene, number: number, edit: (look: LabelLook) => LabelLook): Scene {
+  const before = lookOf(scene, number) ?? create(LabelLookSchema, { number });
+  const look = edit(before);
+  const plain = look.colour === undefined && (look.opacity ?? 1) === 1 && !look.solo;
+  const others = scene.labels.filter((one) => one.number !== number);
+  const labels = plain ? others : [...others, look].sort((a, b) => a.number - b.number);
+  return { ...scene, labels };
+}
+
+export const setColour = (scene: Scene, number: number, colour: Rgb): Scene =>
+  withLook(scene, number, (look) => ({ ...look, colour }));
+
+export const setOpacity = (scene: Scene, number: number, opacity: number): Scene =>
+  withLook(scene, number, (look) => ({
+    ...look,
+    opacity: within(opacity, { low: 0, high: 1 }, look.opacity ?? 1),
+  }));
+
+export const setShown = (scene: Scene, number: number, shown: boolean): Scene =>
+  setOpacity(scene, number, shown ? 1 : 0);
+
+/** Shows only this label, or all of them again. */
+export function setSolo(scene: Scene, number: number, solo: boolean): Scene {
+  const others = { ...scene, labels: scene.labels.map((look) => ({ ...look, solo: false })) };
+  return withLook(others, number, (look) => ({ ...look, solo }));
+}
+
+const isColoured = (scene: Scene, { number }: Label): boolean => lookOf(scene, number)?.colour !== undefined;
+export const areColoured = (scene: Scene, labels: readonly Label[]): boolean =>
+  labels.some((label) => isColoured(scene, label));
+
+/** Gives the labels without a colour the one of their file, or takes the colours away from all. */
+export const setColoured = (scene: Scene, labels: readonly Label[], coloured: boolean): Scene =>
+  labels.reduce(
+    (now, label) =>
+      coloured
+        ? isColoured(now, label)
+          ? now
+          : setColour(now, label.number, suggestedColour(label))
+        : withLook(now, label.number, ({ number, opacity, solo }) =>
+            create(LabelLookSchema, { number, solo, ...(opacity === undefined ? {} : { opacity }) }),
+          ),
+    scene,
+  );
+
+/** The colour that stands for a label in a list: its own, or the one that its file suggests. */
+export const shownColour = (scene: Scene, label: Label): string =>
+  hexOf(lookOf(scene, label.number)?.colour ?? suggestedColour(label));

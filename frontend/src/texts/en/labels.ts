@@ -1,0 +1,52 @@
+import { count, fixed } from "./counting";
+
+/** Labels: structures that somebody has marked in a scan. */
+export const labels = {
+  lead: "Someone has marked these structures in the scan. Choose one to change its look.",
+  coloured: "Show the structures in colour",
+  name: "What is this?",
+  press: "Press a structure in the picture to see its name.",
+  noAnswer: "The server didn’t answer. Try again.",
+  nothingThere: "There is nothing of the scan at this point. Choose another one.",
+  unmarked: "No structure is marked here.",
+  untitled: (number: number) => `Structure ${number}`,
+  show: (name: string) => `Show ${name}`,
+  only: "Only this",
+  onlyOf: (name: string) => `Show only ${name}`,
+  rest: "Show everything that isn’t marked",
+  colour: "Colour",
+  opacity: "Opacity",
+  volume: (millilitres: number) => `${fixed(millilitres, millilitres < 10 ? 1 : 0)} ml`,
+
+  title: (title: string) => `Labels of ${title}`,
+  explain:
+    "A file of labels says which parts of the scan are which structure, for example an organ. It can be a NIfTI label volume (.nii or .nii.gz), a DICOM segmentation (SEG) or a DICOM structure set (RTSTRUCT), and it must belong to this scan. Afterwards, open the scan and choose “Labels” on the left.",
+  privacy:
+    "We send only the structures with their names and colours. Names, dates and ID numbers of the patient are removed from the file first.",
+  choose: "Choose a file",
+  replace: "Replace the labels",
+  remove: "Remove the labels",
+  none: "This scan has no labels.",
+  has: (labels: number, bytes: string) => `This scan has ${count(labels, "label", "labels")} (${bytes}).`,
+  onCard: (labels: number) => count(labels, "label", "labels"),
+  /** Why the server refused a file, by its code. */
+  refused: {
+    labels_other_scan: "These labels don’t belong to this scan.",
+    labels_old_scan: "This scan was added before it could have labels. Add the scan again, then add its labels.",
+    labels_unsupported: "This kind of file isn’t supported.",
+    labels_damaged: "The file of labels is damaged or contains no labels.",
+    labels_too_large: "The file of labels is too large.",
+    over_quota: "Your storage has no room for these labels. Delete other scans, then add the labels again.",
+    infected: "The virus scanner found malicious software in this file, so it was deleted.",
+    other: "The server couldn’t read this file. Try again.",
+  },
+  phases: { reading: "Reading the file…", sending: "Uploading…", placing: "Matching the labels to the scan…" },
+  faults: {
+    unknown: "This isn’t a file of labels. Choose a NIfTI label volume, a DICOM segmentation or a structure set.",
+    damaged: "This file is damaged. Try copying it again.",
+    too_large: "This file is too large.",
+    rejected: "The server rejected the file. Try again.",
+    over_quota: "Your storage has no room for these labels. Delete other scans first.",
+    busy: "Earlier labels of this scan are still being processed. Try again in a moment.",
+  },
+} as const;

@@ -1,0 +1,155 @@
+import { useState } from "preact/hooks";
+import type { Labels_Label as Label } from "../../protocol/gen/api/proto/stream_pb";
+import type { Scene } from "../../protocol/gen/api/proto/scene_pb";
+import * as looks from "../../scene/labels";
+import { t } from "../../texts";
+import type { ViewerSession } from "../../video/viewer_session";
+import { Icon } from "../icons";
+import { ColourControl, NumberControl, Switch, type PictureWindowProps } from "../viewer/settings/controls";
+import { sceneEdits } from "../viewer/settings/scene_edits";
+import { useMarked } from "./use_marked";
+
+/** The structures that somebody has marked in the scan, and how each is shown. */
+export function LabelsWindow({ session, picture }: PictureWindowProps) {
+  const scene = session.editor.scene.value;
+  const labels = session.labels.value;
+  const [chosen, setChosen] = useState<number | null>(null);
+  if (!scene) return null;
+  const { once } = sceneEdits(session.editor);
+  return (
+    <>
+      <p class="hint">{t.labels.lead}</p>
+      <Switch
+        label={t.labels.coloured}
+        on={looks.areColoured(scene, labels)}
+        change={once("labels coloured", (now, on: boolean) => looks.setColoured(now, labels, on))}
+      />
+      <p>
+        <button
+          type="button"
+          class="button button-small"
+          onClick={() =>
+            (picture.picking.value = { label: t.labels.press, pick: (at) => nameAt(session, at, setChosen) })
+          }
+        >
+          <Icon name="tag" />
+          {t.labels.name}
+        </button>
+      </p>
+      <ul class="label-list">
+        {labels.map((label) => (
+          <Row
+            key={label.number}
+            session={session}
+            scene={scene}
+            label={label}
+            chosen={chosen === label.number}
+            choose={() => setChosen(chosen === label.number ? null : label.number)}
+          />
+        ))}
+      </ul>
+      <Switch
+        label={t.labels.rest}
+        on={looks.isShown(scene, looks.unlabelled)}
+        change={once("label 0 shown", (now, on: boolean) => looks.setShown(now, looks.unlabelled, on))}
+      />
+    </>
+  );
+}
+
+/** Tells which label is at a point of the picture, and chooses it in the list. */
+async function nameAt(
+  session: ViewerSession,
+  { x, y }: { readonly x: number; readonly y: number },
+  choose: (number: number) => void,
+): Promise<string> {
+  const answer = await session.depthAt(x, y);
+  if (!answer.answered) return t.labels.noAnswer;
+  if (!answer.seen) return t.labels.nothingThere;
+  const number = answer.seen.label;
+  const label = session.labels.value.find((one) => one.number === number);
+  if (!label) return t.labels.unmarked;
+  choose(number);
+  return nameOf(label);
+}
+
+export const nameOf = ({ name, number }: Pick<Label, "name" | "number">): string => name || t.labels.untitled(number);
+
+interface RowProps {
+  readonly session: ViewerSession;
+  readonly scene: Scene;
+  readonly label: Label;
+  readonly chosen: boolean;
+  readonly choose: () => void;
+}
+
+/** One label: whether it is shown, its name and volume, and once it is chosen, its look. */
+function Row({ session, scene, label, chosen, choose }: RowProps) {
+  const { once } = sceneEdits(session.editor);
+  const { number } = label;
+  const name = nameOf(label);
+  const row = useMarked(chosen);
+  const solo = looks.isSolo(scene, number);
+  return (
+    <li data-label={number} ref={row}>
+      <div class="label-row">
+        <input
+          type="checkbox"
+          aria-label={t.labels.show(name)}
+          checked={looks.isShown(scene, number)}
+          onChange={(event) =>
+            once(`label ${number} shown`, (now, on: boolean) => looks.setShown(now, number, on))(
+              event.currentTarget.checked,
+            )
+          }
+        />
+        <button type="button" class="label-name" aria-expanded={chosen} onClick={choose}>
+          <Swatch scene={scene} label={label} />
+          {name}
+        </button>
+        <span class="muted">{t.labels.volume(label.volume / 1000)}</span>
+        <button
+          type="button"
+          class="button button-small"
+          aria-pressed={solo}
+          aria-label={t.labels.onlyOf(name)}
+          onClick={() => once(`label ${number} alone`, (now, on: boolean) => looks.setSolo(now, number, on))(!solo)}
+        >
+          {t.labels.only}
+        </button>
+      </div>
+      {chosen ? <Look session={session} scene={scene} label={label} /> : null}
+    </li>
+  );
+}
+
+function Swatch({ scene, label }: Pick<RowProps, "scene" | "label">) {
+  return (
+    <svg class="swatch" viewBox="0 0 10 10" aria-hidden="true">
+      <circle cx="5" cy="5" r="4.500" fill={looks.shownColour(scene, label)} />
+    </svg>
+  );
+}
+
+function Look({ session, scene, label }: Pick<RowProps, "session" | "scene" | "label">) {
+  const { live, rest } = sceneEdits(session.editor);
+  const { number } = label;
+  return (
+    <div class="label-look" role="group" aria-label={nameOf(label)}>
+      <ColourControl
+        label={t.labels.colour}
+        value={looks.lookOf(scene, number)?.colour ?? looks.suggestedColour(label)}
+        change={live(`label ${number} colour`, (now, colour) => looks.setColour(now, number, colour))}
+        rest={rest}
+      />
+      <NumberControl
+        label={t.labels.opacity}
+        unit={t.settings.percent}
+        value={Math.round(100 * looks.opacityOf(scene, number))}
+        limits={{ low: 0, high: 100 }}
+        change={live(`label ${number} opacity`, (now, percent: number) => looks.setOpacity(now, number, percent / 100))}
+        rest={rest}
+      />
+    </div>
+  );
+}
