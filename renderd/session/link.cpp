@@ -9,9 +9,15 @@ namespace {
 constexpr double kForgetSeconds = 0.5;
 // Seconds. The minimum of the current and the previous period counts.
 constexpr double kRoundTripPeriod = 5;
-constexpr double kFastest = 1e9;        // bytes per second
-constexpr double kLongestBusy = 10;     // seconds, for example after the machine was suspended
-constexpr double kGrowth = 1.04;        // factor per acknowledgement that arrives as predicted
+constexpr double kFastest = 1e9;     // bytes per second
+constexpr double kLongestBusy = 10;  // seconds, for example after the machine was suspended
+// Factors per acknowledgement that arrives as predicted, and per second of an empty pipe before it.
+// The second one matters to a slow device, whose pictures are seconds apart.
+constexpr double kGrowth = 1.04;
+constexpr double kGrowthPerEmptySecond = 2.5;
+// Bytes per second, if the first acknowledgement suggests less: it also waits until the viewer's
+// decoder has started.
+constexpr double kAssumed = 250e3;
 constexpr double kLateSeconds = 0.015;  // a longer delay means that data queues in the pipe
 constexpr double kOverdueSeconds = 0.05;
 
@@ -42,15 +48,21 @@ void LinkEstimate::acknowledged(std::uint64_t seq, Time now) {
   const double taken = seconds_between(last_sent, now);
   const double since_before =
       acknowledged_at_ == Time{} ? kLongestBusy : seconds_between(acknowledged_at_, now);
-  const double alone = seconds_between(first_sent, now) - round_trip_;
+  const double since_sent = seconds_between(first_sent, now);
+  // A message that took less proves that the round trip is shorter than assumed.
+  const double alone = since_sent < round_trip_ ? since_sent : since_sent - round_trip_;
   const double size = static_cast<double>(bytes);
-  const double busy = std::clamp(std::min(since_before, alone), size / kFastest, kLongestBusy);
+  const bool first = acknowledged_at_ == Time{};
+  const double longest = first ? size / kAssumed : kLongestBusy;
+  const double busy = std::clamp(std::min(since_before, alone), size / kFastest, longest);
   const double before = estimate();
   const double kept = std::exp(-std::min(since_before, 1.0) / kForgetSeconds);
   bytes_ = bytes_ * kept + size;
   busy_ = busy_ * kept + busy;
   const bool late = before > 0 && alone > size / before + kLateSeconds;
-  if (!late) busy_ = std::max(busy_ / kGrowth, bytes_ / kFastest);
+  const double empty = std::min(seconds_between(acknowledged_at_, first_sent), 1.0);
+  const double growth = std::max(kGrowth, std::pow(kGrowthPerEmptySecond, empty));
+  if (!late && !first) busy_ = std::max(busy_ / growth, bytes_ / kFastest);
   acknowledged_at_ = now;
   note_round_trip(taken, bytes, now);
 }

@@ -18,7 +18,8 @@ namespace diaphane::render {
 /// the pipe was busy with them, and both decay within half a second. r is the shortest time that a
 /// message took, less its S / B. A pipe that is not full reveals too little, so that B is an
 /// underestimate. It therefore grows by itself as long as nothing queues in the pipe for longer
-/// than the model predicts.
+/// than the model predicts, and faster if the pipe was empty. The first acknowledgement says little
+/// about B, because it also waits until the viewer's decoder has started.
 class LinkEstimate {
  public:
   using Time = std::chrono::steady_clock::time_point;

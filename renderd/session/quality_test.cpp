@@ -176,6 +176,28 @@ TEST(Quality, ReducesResolutionOnlyOnASlowLink) {
   EXPECT_EQ(drag(constant(1000 * kMbit, 0.001), 10, v1::JPEG, 1).last_scale(), 1);
 }
 
+// The first acknowledgement waits for the decoder, and pictures of a slow device are far apart.
+TEST(Quality, SlowStartAndRarePicturesDoNotLookLikeASlowLink) {
+  for (const double round_trip : {0.002, 0.05, 0.15}) {
+    LinkEstimate link;
+    QualitySteps steps;
+    double now = 0;
+    for (std::uint64_t seq = 1; seq <= 8; ++seq, now += 1) {
+      const QualityPlan& plan = steps.update(link, k720p, v1::H264, at(now));
+      if (seq > 1) {
+        EXPECT_GE(plan.settled_bytes, 60'000U) << round_trip << ", " << seq;
+        EXPECT_GE(plan.moving_bytes, 8'000U) << round_trip << ", " << seq;
+      }
+      const std::size_t bytes = std::min(seq == 1 ? 3'000U : 70'000U, plan.settled_bytes - 1);
+      link.sent(seq, bytes, at(now));
+      const double decoder = seq == 1 ? 1.5 : 0;
+      link.acknowledged(seq, at(now + decoder + round_trip + double(bytes) / (20 * kMbit)));
+      now += decoder;
+    }
+    EXPECT_GE(link.bytes_per_second(at(now)), 10 * kMbit) << round_trip;
+  }
+}
+
 // A viewer who acknowledges nothing gets no more than the window, however fast they were.
 TEST(Quality, DetectsStalledLinkWithoutAcknowledgements) {
   LinkEstimate link;
