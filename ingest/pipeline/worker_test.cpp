@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <new>
 #include <thread>
 
@@ -109,7 +111,7 @@ class FakeJobs final : public JobStore {
 
   std::deque<Job> waiting;
   int away = 0;  ///< number of calls that get no answer
-  int renewals = 0;
+  std::atomic<int> renewals{0};
   Hold hold = Hold::kOurs, hold_at_finish = Hold::kOurs, hold_at_note = Hold::kOurs;
   struct Wait {
     std::string data_set_id;
@@ -137,7 +139,7 @@ class FakeBuilder final : public Builder {
     result.file_missing = file_missing;
     result.too_large = too_large;
     const auto until = std::chrono::steady_clock::now() + takes;
-    while (std::chrono::steady_clock::now() < until) {
+    while (std::chrono::steady_clock::now() < until && !(ends_early && ends_early())) {
       if (!should_continue()) {
         result.stopped = true;
         return result;
@@ -182,6 +184,7 @@ class FakeBuilder final : public Builder {
   bool killed = false, delayed = false, too_large = false, no_memory = false, machine_short = false,
        file_missing = false;
   std::chrono::milliseconds takes{0};
+  std::function<bool()> ends_early;
   int builds = 0;
 };
 
@@ -448,7 +451,8 @@ TEST_F(WorkerTest, LostLeaseStopsBuildAndKeepsUpload) {
 }
 
 TEST_F(WorkerTest, RenewsLeaseDuringBuild) {
-  builder_.takes = std::chrono::milliseconds(120);
+  builder_.takes = std::chrono::seconds(60);
+  builder_.ends_early = [this] { return jobs_.renewals >= 3; };
   put();
   EXPECT_TRUE(worker().work_once());
   EXPECT_GE(jobs_.renewals, 3);
