@@ -110,9 +110,14 @@ TEST(Film, SquaredDeviationEstimatesTheVarianceOfTheMean) {
       HostFilm film(1);
       Random random(5, trial, samples);
       PixelBatch batch;
-      for (std::uint64_t i = 0; i < samples; ++i) batch.add({random.exponential(), 0, 0}, true, i);
+      for (std::uint64_t i = 0; i < samples; ++i) {
+        const float value = random.exponential();
+        batch.add({value, 2 * value, 4 * value}, true, i);
+      }
       fold(film.view(), 0, batch);
       const PixelEstimate e = estimate_of(film.read(), 0, samples);
+      ASSERT_EQ(e.deviation.y, 2 * e.deviation.x) << "each channel has its own";
+      ASSERT_EQ(e.deviation.z, 4 * e.deviation.x);
       squared.add(double{e.deviation.x} * e.deviation.x);
       mean.add(e.mean.x);
     }

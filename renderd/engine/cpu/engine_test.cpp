@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "renderd/engine/cpu/film.h"
 #include "renderd/film/exposure.h"
 #include "renderd/film/tone.h"
 #include "renderd/scene/presets.h"
@@ -118,6 +120,18 @@ TEST(CpuEngine, SampleThatIsStoppedAtEachTileEnds) {
   }
   ASSERT_EQ(samples, 1u);
   EXPECT_EQ(radiance(*s.renderer), rendered(volume, test::skull_scene(), 1));
+}
+
+TEST(CpuEngine, FilmCountsTheSamplesThatItDrops) {
+  ThreadPool pool(2);
+  RendererThreads threads(pool);
+  CpuFilm film(threads, {5, 3});
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (const std::uint64_t dropped : {1u, 4u, 0u, 2u}) {  // in even and odd samples
+    std::fill_n(film.samples(), 15, Sample{.radiance = {1, 1, 1}, .hit_medium = true});
+    for (std::uint64_t i = 0; i < dropped; ++i) film.samples()[4 * i].radiance.y = kNan;
+    EXPECT_EQ(film.fold(), dropped);
+  }
 }
 
 TEST(CpuEngine, RefusedSceneKeepsImageAndProgress) {
