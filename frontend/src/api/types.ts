@@ -100,6 +100,13 @@ export const bodyParts: readonly BodyPart[] = [
 
 export type DataSetState = "uploading" | "queued" | "building" | "ready" | "refused" | "expired";
 
+export interface UploadInProgress {
+  readonly url: string;
+  readonly bytes: number;
+  readonly received_bytes: number;
+  readonly expires_at: string;
+}
+
 export interface DataSet {
   readonly id: string;
   readonly title: string;
@@ -124,24 +131,14 @@ export interface DataSet {
     readonly bytes: number;
     readonly repairs: readonly string[];
   } | null;
-  readonly upload: {
-    readonly url: string;
-    readonly bytes: number;
-    readonly received_bytes: number;
-    readonly expires_at: string;
-  } | null;
+  readonly upload: UploadInProgress | null;
   /** The labels of a ready scan. Only the owner gets this. */
   readonly labels: {
     readonly count: number;
     readonly bytes: number;
     /** The server reads an uploaded file. */
     readonly placing: boolean;
-    readonly upload: {
-      readonly url: string;
-      readonly bytes: number;
-      readonly received_bytes: number;
-      readonly expires_at: string;
-    } | null;
+    readonly upload: UploadInProgress | null;
     /** Why the last file was refused. */
     readonly refusal: { readonly code: string; readonly text: string } | null;
   } | null;
