@@ -46,13 +46,12 @@ void LinkEstimate::acknowledged(std::uint64_t seq, Time now) {
   in_flight_ -= bytes;
 
   const double taken = seconds_between(last_sent, now);
-  const double since_before =
-      acknowledged_at_ == Time{} ? kLongestBusy : seconds_between(acknowledged_at_, now);
+  const bool first = acknowledged_at_ == Time{};
+  const double since_before = first ? kLongestBusy : seconds_between(acknowledged_at_, now);
   const double since_sent = seconds_between(first_sent, now);
   // A message that took less proves that the round trip is shorter than assumed.
   const double alone = since_sent < round_trip_ ? since_sent : since_sent - round_trip_;
   const double size = static_cast<double>(bytes);
-  const bool first = acknowledged_at_ == Time{};
   const double longest = first ? size / kAssumed : kLongestBusy;
   const double busy = std::clamp(std::min(since_before, alone), size / kFastest, longest);
   const double before = estimate();
