@@ -84,6 +84,12 @@ it("shows no picture from before its first input, and all of them once that was 
   expect(store.picture.value?.samples).toBe(40);
 });
 
+it("shows the pictures of the next presenter, who has made fewer inputs", async () => {
+  store.beginWith(2);
+  await show(frame(1, 1, { inputSeq: 2n }), frame(2, 2, { inputSeq: 1n }));
+  expect(store.picture.value?.samples).toBe(20);
+});
+
 beforeEach(() => {
   painted = [];
   exact = 0;

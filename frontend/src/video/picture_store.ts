@@ -32,7 +32,7 @@ export class PictureStore {
   private readonly pipeline: FramePipeline<Picture>;
   private readonly losslessAssembler: LosslessAssembler;
   private convergedEpoch = -1;
-  /** Pictures of earlier inputs are not shown. */
+  /** Pictures of earlier inputs are not shown. 0 once one was: the next presenter counts their own inputs. */
   private firstInput = 0;
 
   constructor(
@@ -125,6 +125,7 @@ export class PictureStore {
 
   private present(picture: Picture, frame: Frame): void {
     if (this.losslessAssembler.shows(frame.epoch) || frame.inputSeq < this.firstInput) return;
+    this.firstInput = 0;
     this.painter.paint(picture);
     this.lossless.value = null;
     const before = this.picture.value;

@@ -152,16 +152,18 @@ export class SceneEditor {
 
   /**
    * Keeps the subject in view when the picture changes its shape: with the window or the panels next to it, or because
-   * someone in another window presents from now on. Not an undo step.
+   * someone in another window presents from now on. Not an undo step. Returns whether the camera has
+   * moved.
    */
-  resized(before: Viewport, after: Viewport): void {
+  resized(before: Viewport, after: Viewport): boolean {
     const scene = this.scene.value;
-    if (!scene || !this.parts.leads()) return;
+    if (!scene || !this.parts.leads()) return false;
     const fitted = (one: Scene) => reframed(one, before, after);
-    if (fitted(scene) === scene) return;
+    if (fitted(scene) === scene) return false;
     this.setScene(fitted(scene), null, true);
     const { past, future, open } = this.steps.value;
     this.steps.value = { past: past.map(fitted), future: future.map(fitted), open };
+    return true;
   }
 
   /** Sets the clip while the user drags it, and once more when they release it (`rest`). */

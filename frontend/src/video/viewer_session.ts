@@ -373,7 +373,7 @@ export class ViewerSession {
         this.collaboration.audienceChanged(audience);
         this.sharedMarks.audienceChanged(audience);
         this.painter.fitToWindow(!this.client.leads);
-        if (!this.client.leads) this.editor.forgetSteps();
+        if (!this.client.leads) this.follows();
         else if (this.followed) this.tookOver();
         this.followed = !this.client.leads;
       },
@@ -400,10 +400,16 @@ export class ViewerSession {
     };
   }
 
+  private follows(): void {
+    this.editor.forgetSteps();
+    this.pictures.beginWith(0); // the presenter counts their own inputs
+  }
+
   /** Until now, someone else framed the picture, for a window of another shape. */
   private tookOver(): void {
     const shown = this.pictures.picture.value;
-    if (shown) this.editor.resized(shown, this.canvasSize);
+    const firstInput = this.client.inputSeq + 1; // read first, because the editor may send this input at once
+    if (shown && this.editor.resized(shown, this.canvasSize)) this.pictures.beginWith(firstInput);
   }
 
   private resized(size: Viewport): void {
