@@ -63,8 +63,9 @@ struct TimeOptions {
   std::vector<Canvas> canvases;
   std::vector<double> targets;
   std::uint32_t repeats = 7;
-  double warm_up = 1;   ///< seconds
-  double longest = 60;  ///< for one picture
+  bool smoothed = false;  ///< with guides for the denoiser, as in sessions
+  double warm_up = 1;     ///< seconds
+  double longest = 60;    ///< for one picture
   std::function<void(const TimeRow&)> each;
 };
 /// Measures one device and all of `devices`, whose copies of the volume are released first.

@@ -108,6 +108,7 @@ MultiDeviceCommand::MultiDeviceCommand(CLI::App& app) : options_(std::make_uniqu
                "errors up to which the time is measured, comma-separated")
       ->delimiter(',');
   c.add_option("--time-repeats", o.times.repeats, "repetitions of the time measurements");
+  c.add_flag("--smoothed", o.times.smoothed, "record the guides of the denoiser, as sessions do");
   c.add_option("--warm-up", o.times.warm_up, "seconds to render before measuring");
   c.add_option("--longest", o.times.longest, "maximum seconds per picture");
   c.add_option("--reference-seconds", o.reference_seconds,

@@ -111,6 +111,7 @@ Result<std::vector<TimeRow>> measure_times(DeviceSet devices, const volume::Volu
         // If a picture ended with its first pair of samples, no part would ever arrive.
         const auto renderer = engine->renderer(*loaded, 1, 0, kLiveMethod);
         DIAPHANE_TRY(renderer);
+        (*renderer)->prepare_denoising(options.smoothed);
         const auto begin = Clock::now();
         int shown = 0;
         do {

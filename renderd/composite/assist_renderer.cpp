@@ -89,6 +89,7 @@ Result<void> AssistRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas 
   if (!task || task->canvas != canvas) {
     return fail(ErrorCode::kConflict, "the task no longer exists");
   }
+  own_->prepare_denoising(task->guided);
   if (auto set = own_->set_scene(scene, canvas); !set) return set;
   if (auto set = own_->set_share(task->share); !set) return set;
   desk_->began(*task);

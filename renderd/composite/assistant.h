@@ -16,6 +16,7 @@ struct AssistTask {
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas canvas;
   Share share;
+  bool guided = false;  ///< its parts bring the guides of their rows
 };
 
 struct AssistPart {

@@ -55,8 +55,6 @@ Result<void> CompositeRenderer::set_scene(const diaphane::v1::Scene& scene, Canv
 
 Division CompositeRenderer::choose() const {
   if (options_.division) return *options_.division;
-  // Denoising the first pictures needs the guides of all rows.
-  if (guided_) return Division::kAverage;
   DivisionInput input;
   input.canvas = task_.canvas;
   input.samples = samples_needed_;
@@ -102,6 +100,8 @@ Result<void> CompositeRenderer::deal(Division division) {
     helper.share = shares[i + 1];
     if (!helper.share) continue;
     task_.share = *helper.share;
+    // Of a whole picture, this device records the guides itself.
+    task_.guided = guided_ && division == Division::kTiles;
     helper.assistant->begin(task_);
     ++report_.assistants;
   }
@@ -127,6 +127,7 @@ Result<void> CompositeRenderer::settle_changes() {
       // The new share gets a new sequence, because those of the other devices are in use.
       helper.share = Share{.sequence = ++sequence_};
       task_.share = *helper.share;
+      task_.guided = false;
       helper.assistant->begin(task_);
       ++report_.assistants;
     }

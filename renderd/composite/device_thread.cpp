@@ -14,6 +14,10 @@ using Clock = std::chrono::steady_clock;
 /// Time between two checks whether another picture needs a turn.
 constexpr double kTurnSeconds = 0.005;
 constexpr double kMostSamples = 1024;
+/// How often a device that is kept for its own pictures checks whether they still need it.
+constexpr std::chrono::milliseconds kPoll{5};
+/// How long it must not have been needed before it helps others.
+constexpr std::chrono::milliseconds kCalm{100};
 
 double elapsed_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -47,11 +51,11 @@ class DeviceThread::Job {
   void leave() { gone_ = true; }
 
   /// Takes one turn. Returns false if there is nothing to do.
-  bool turn(const std::atomic<bool>& stopping) {
+  bool turn(const std::function<bool()>& interrupted) {
     if (!adopt()) return false;
     PartInput input = asked();
     if (!may_render(input)) return false;
-    const auto stop = [&] { return stopping || gone_ || version_ != applied_; };
+    const auto stop = [&] { return gone_ || version_ != applied_ || interrupted(); };
     auto samples = static_cast<std::uint32_t>(
         per_sample_ > 0 ? std::clamp(kTurnSeconds / per_sample_, 1.0, kMostSamples) : 1);
     // The first pair of samples is awaited, and parts contain pairs.
@@ -73,19 +77,35 @@ class DeviceThread::Job {
   /// Starts a new task if there is one. Returns false if there is no task at all or it cannot be
   /// rendered.
   bool adopt() {
+    AssistTask before;
     {
       const std::lock_guard lock(mutex_);
       if (!next_task_) return false;
       if (version_ == applied_) return !lost_;
-      current_ = *next_task_;
+      before = std::exchange(current_, *next_task_);
       applied_ = version_;
     }
+    const bool continues = current_.scene == before.scene && current_.canvas == before.canvas &&
+                           current_.guided == before.guided && change_share();
     held_ = delivered_ = 0;
     seconds_ = 0;
     since_ = Clock::now();
+    if (continues) return true;
+    renderer_->prepare_denoising(current_.guided);
     if (!renderer_->set_scene(*current_.scene, current_.canvas)) return fail();
     if (!renderer_->set_share(current_.share)) return fail();
     return true;
+  }
+
+  /// Takes another share of the same picture without preparing its scene again. What is held of the
+  /// previous share is lost.
+  bool change_share() {
+    if (held_ > 0) {
+      FilmPart lost;
+      const auto taken = renderer_->take_film_here(lost);
+      if (!taken || !*taken) return false;
+    }
+    return renderer_->set_share(current_.share).has_value();
   }
 
   PartInput asked() { return {held_, delivered_, elapsed_since(since_), cost_, !waits()}; }
@@ -150,7 +170,7 @@ class DeviceThread::JobAssistant final : public Assistant {
     if (part) thread_.wake();
     return part;
   }
-  bool lost() override { return job_->lost(); }
+  bool lost() override { return thread_.away_ || job_->lost(); }
 
  private:
   DeviceThread& thread_;
@@ -169,6 +189,25 @@ std::unique_ptr<Assistant> DeviceThread::assistant(std::unique_ptr<FrameRenderer
   auto job = std::make_shared<Job>(std::move(renderer));
   add(job);
   return std::make_unique<JobAssistant>(*this, std::move(job));
+}
+
+void DeviceThread::keep_for_own(std::function<bool()> needed) {
+  {
+    const std::lock_guard lock(needed_mutex_);
+    needed_ = std::move(needed);
+  }
+  wake();
+}
+
+bool DeviceThread::needed() {
+  const std::lock_guard lock(needed_mutex_);
+  return needed_ && needed_();
+}
+
+bool DeviceThread::kept() {
+  const auto now = Clock::now();
+  if (needed()) needed_until_ = now + kCalm;
+  return now < needed_until_;
 }
 
 void DeviceThread::add(std::shared_ptr<Job> job) {
@@ -206,11 +245,20 @@ void DeviceThread::run() {
       jobs.assign(jobs_.begin(), jobs_.end());
     }
     bool busy = false;
-    for (const auto& job : jobs) busy |= job->turn(stopping_);
+    if (!(away_ = kept())) {
+      const auto interrupted = [this] { return stopping_ || needed(); };
+      for (const auto& job : jobs) busy |= job->turn(interrupted);
+    }
     if (busy) continue;
+    const bool idle = jobs.empty();
     jobs.clear();
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return wakes_ != last_wake; });
+    const auto woken = [&] { return wakes_ != last_wake; };
+    if (away_ && !idle) {
+      changed_.wait_for(lock, kPoll, woken);
+    } else {
+      changed_.wait(lock, woken);
+    }
   }
 }
 

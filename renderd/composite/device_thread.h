@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -25,12 +27,21 @@ class DeviceThread {
   /// Makes an assistant that renders with `renderer`, which must belong to this device. The thread
   /// must outlive the assistant.
   std::unique_ptr<Assistant> assistant(std::unique_ptr<FrameRenderer> renderer);
+  /// Its assistants are lost while `needed` is true, and come back some time after it has become
+  /// false. Null: the device is never needed. The previous function is never called after this
+  /// returns.
+  void keep_for_own(std::function<bool()> needed);
 
  private:
   class Job;
   class JobAssistant;
 
   void run();
+  /// Whether the device's own pictures need it, as of now.
+  bool needed();
+  /// The same, or a moment ago, so that pictures which pause briefly do not make helpers come and
+  /// go.
+  bool kept();
   void add(std::shared_ptr<Job> job);
   void wake();
 
@@ -38,6 +49,10 @@ class DeviceThread {
   std::condition_variable changed_;
   std::list<std::shared_ptr<Job>> jobs_;
   std::uint64_t wakes_ = 0;
+  std::mutex needed_mutex_;
+  std::function<bool()> needed_;
+  std::atomic<bool> away_{false};
+  std::chrono::steady_clock::time_point needed_until_{};  ///< used by the thread only
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

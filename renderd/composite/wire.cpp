@@ -6,6 +6,7 @@ namespace diaphane::render {
 namespace {
 
 constexpr std::size_t kPixelBytes = 10;
+constexpr std::size_t kGuidesBytes = 6;
 
 void put_number(std::string& to, std::size_t number) {
   for (; number >= 0x80; number >>= 7) to.push_back(static_cast<char>(number | 0x80));
@@ -97,6 +98,34 @@ Result<std::vector<PackedPixel>> pixels_from_wire(std::string_view bytes, std::s
   return pixels;
 }
 
+std::string guides_to_wire(const std::vector<PackedGuides>& guides) {
+  std::string out;
+  out.reserve(guides.size() * kGuidesBytes);
+  for (const PackedGuides& one : guides) {
+    for (const std::uint16_t word : one.words) {
+      out.push_back(static_cast<char>(word & 0xffU));
+      out.push_back(static_cast<char>(word >> 8));
+    }
+  }
+  return out;
+}
+
+Result<std::vector<PackedGuides>> guides_from_wire(std::string_view bytes, std::size_t count) {
+  if (bytes.empty()) return std::vector<PackedGuides>{};
+  if (bytes.size() != count * kGuidesBytes) {
+    return fail(ErrorCode::kInvalid, "the guide data is invalid", "guides");
+  }
+  std::vector<PackedGuides> guides(count);
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t w = 0; w < 3; ++w) {
+      const std::size_t at = kGuidesBytes * i + 2 * w;
+      guides[i].words[w] = static_cast<std::uint16_t>(byte(at) | byte(at + 1) << 8);
+    }
+  }
+  return guides;
+}
+
 std::vector<FilmPart> in_bands(FilmPart part, std::size_t most_bytes) {
   const std::size_t unit = std::size_t{kPixelBytes} * part.width * kShareRows;
   const auto rows = static_cast<std::uint32_t>(
@@ -116,6 +145,12 @@ std::vector<FilmPart> in_bands(FilmPart part, std::size_t most_bytes) {
         part.pixels.begin() + static_cast<std::ptrdiff_t>(std::size_t{first} * part.width);
     band.pixels.assign(begin,
                        begin + static_cast<std::ptrdiff_t>(std::size_t{band.rows} * part.width));
+    if (!part.guides.empty()) {
+      const auto from =
+          part.guides.begin() + static_cast<std::ptrdiff_t>(std::size_t{first} * part.width);
+      band.guides.assign(from,
+                         from + static_cast<std::ptrdiff_t>(std::size_t{band.rows} * part.width));
+    }
     bands.push_back(std::move(band));
   }
   return bands;

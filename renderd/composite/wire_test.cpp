@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <random>
 
 namespace diaphane::render {
@@ -36,6 +37,18 @@ TEST(PartsOnTheWire, RoundTrip) {
 }
 
 /// Arbitrary bytes give an error or pixels, but never more pixels than requested.
+TEST(PartsOnTheWire, GuidesMakeARoundTripOrAreRefused) {
+  const std::vector<PackedGuides> guides{{{1, 2, 0xffff}}, {{0x1234, 0, 7}}};
+  const std::string bytes = guides_to_wire(guides);
+  const auto back = guides_from_wire(bytes, 2);
+  ASSERT_TRUE(back);
+  ASSERT_EQ(back->size(), 2u);
+  EXPECT_EQ(std::memcmp(back->data(), guides.data(), sizeof(PackedGuides) * 2), 0);
+  EXPECT_TRUE(guides_from_wire("", 2)->empty()) << "an older worker sends none";
+  EXPECT_FALSE(guides_from_wire(bytes, 3));
+  EXPECT_FALSE(guides_from_wire(bytes.substr(1), 2));
+}
+
 TEST(PartsOnTheWire, RefuseMalformedBytes) {
   std::mt19937_64 random(2);
   const auto pixels = made(random, 200);

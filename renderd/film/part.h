@@ -6,6 +6,7 @@
 
 #include "renderd/film/canvas.h"
 #include "renderd/film/film.h"
+#include "renderd/film/guides.h"
 
 // Data types for several devices that render one picture (thesis 5.1.2, 8.2): the share that a
 // device renders, and the part of the film that it hands over.
@@ -61,7 +62,10 @@ struct FilmPart {
   std::uint32_t first_row = 0, rows = 0;
   std::uint64_t samples = 0;  ///< per pixel; even, with the same number in both halves
   std::vector<PackedPixel> pixels;
-  /// Replaces `pixels` between engines of the same kind in this process.
+  /// The guides of the same pixels, or empty. Only a band has any, because a device records those
+  /// of a whole picture itself, and only while its first samples are in it.
+  std::vector<PackedGuides> guides = {};
+  /// Replaces `pixels` and `guides` between engines of the same kind in this process.
   std::shared_ptr<const PixelsOnDevice> on_device = nullptr;
 };
 
@@ -75,7 +79,8 @@ inline bool fits(const FilmPart& part, Canvas size) {
   return part.width == size.width && part.rows <= size.height &&
          is_band(part.first_row, part.first_row + part.rows, size.height) &&
          part.samples % 2 == 0 &&
-         (part.on_device || part.pixels.size() == std::size_t{part.width} * part.rows);
+         (part.on_device || part.pixels.size() == std::size_t{part.width} * part.rows) &&
+         (part.guides.empty() || part.guides.size() == std::size_t{part.width} * part.rows);
 }
 
 /// Packs x >= 0 as PackedPixel::mean. Below 2^-40 the result is 0, and from 2^24 it is the largest

@@ -39,6 +39,7 @@ v1::AssistRequest request_of(const AssistTask& task) {
   message.set_part(task.share.part);
   message.set_parts(task.share.parts);
   message.set_sequence(task.share.sequence);
+  message.set_guided(task.guided);
   return request;
 }
 
@@ -50,12 +51,15 @@ std::optional<AssistPart> part_of(const v1::AssistBand& band) {
   auto pixels =
       pixels_from_wire(band.pixels(), std::size_t{band.width()} * std::size_t{band.rows()});
   if (!pixels) return std::nullopt;
+  auto guides = guides_from_wire(band.guides(), pixels->size());
+  if (!guides) return std::nullopt;
   AssistPart part;
   part.epoch = band.epoch();
   part.sequence = band.sequence();
-  part.film = {band.width(), band.first_row(), band.rows(), band.samples(), std::move(*pixels)};
+  part.film = {band.width(),   band.first_row(),   band.rows(),
+               band.samples(), *std::move(pixels), *std::move(guides)};
   part.seconds = static_cast<double>(band.render_us()) * 1e-6;
-  part.bytes = band.pixels().size();
+  part.bytes = band.pixels().size() + band.guides().size();
   return part;
 }
 

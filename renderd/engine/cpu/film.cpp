@@ -65,8 +65,6 @@ Result<void> CpuFilm::set_share(const Share& share) {
       merged_[row / kShareRows] += own();
     }
   }
-  // Only the first samples of a share record guides.
-  if (drawn_ > 0) guide_samples_ = {};
   first_row_ = share.first_row;
   last_row_ = last;
   drawn_ = taken_ = 0;
@@ -81,6 +79,11 @@ bool CpuFilm::take(FilmPart& out) {
   out.rows = last_row_ - first_row_;
   out.samples = own();
   out.pixels.resize(std::size_t{out.width} * out.rows);
+  out.guides.clear();
+  if (!guides_.empty() && taken_ < kGuidedSamples && out.rows < size_.height) {
+    const auto first = guides_.begin() + std::ptrdiff_t{out.width} * out.first_row;
+    out.guides.assign(first, first + std::ptrdiff_t{out.width} * out.rows);
+  }
   threads_.run(out.rows, [&](std::uint32_t y) {
     const std::uint64_t first = std::uint64_t{size_.width} * (first_row_ + y);
     for (std::uint64_t x = 0; x < size_.width; ++x) {
@@ -108,6 +111,10 @@ Result<void> CpuFilm::merge(const FilmPart& part) {
       merge_pixel(film, first + x, part.pixels[x + std::size_t{size_.width} * y], part.samples);
     }
   });
+  if (!guides_.empty() && !part.guides.empty()) {
+    std::copy(part.guides.begin(), part.guides.end(),
+              guides_.begin() + std::ptrdiff_t{part.width} * part.first_row);
+  }
   merged_.resize((size_.height + kShareRows - 1) / kShareRows, 0);
   for (std::uint32_t row = part.first_row; row < part.first_row + part.rows; row += kShareRows) {
     merged_[row / kShareRows] += part.samples;

@@ -157,6 +157,13 @@ Result<bool> CudaFilm::take(FilmPart& out, cudaStream_t stream) {
   DIAPHANE_TRY(read_back(reinterpret_cast<std::uint8_t*>(out.pixels.data()),
                          reinterpret_cast<const std::uint8_t*>(packed_.data()),
                          count * sizeof(PackedPixel), stream));
+  out.guides.resize(brings_guides(out) ? count : 0);
+  if (!out.guides.empty()) {
+    const PackedGuides* from = guides_.data() + std::uint64_t{out.width} * out.first_row;
+    DIAPHANE_TRY(read_back(reinterpret_cast<std::uint8_t*>(out.guides.data()),
+                           reinterpret_cast<const std::uint8_t*>(from),
+                           count * sizeof(PackedGuides), stream));
+  }
   taken_ = rows_.least();
   metering_.reset();
   return true;
@@ -172,14 +179,36 @@ Result<bool> CudaFilm::take_here(FilmPart& out, cudaStream_t stream) {
   DIAPHANE_CUDA_TRY(cudaGetDevice(&part->device));
   DIAPHANE_TRY(ensure(part->pixels, count));
   DIAPHANE_TRY(pack(out, part->pixels.data(), stream));
+  part->guided = brings_guides(out);
+  if (part->guided) {
+    DIAPHANE_TRY(ensure(part->guides, count));
+    DIAPHANE_CUDA_TRY(cudaMemcpyAsync(
+        part->guides.data(), guides_.data() + std::uint64_t{out.width} * out.first_row,
+        count * sizeof(PackedGuides), cudaMemcpyDeviceToDevice, stream));
+  }
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
   if (part != handed_[0]) handed_[1] = part;
   std::swap(handed_[0], handed_[1]);
   out.pixels.clear();
+  out.guides.clear();
   out.on_device = std::move(part);
   taken_ = rows_.least();
   metering_.reset();
   return true;
+}
+
+Result<void> CudaFilm::merge_guides(const FilmPart& part, const PackedPart* packed, int here,
+                                    cudaStream_t stream) {
+  PackedGuides* to = guides_.data() + std::uint64_t{part.width} * part.first_row;
+  const std::size_t bytes = std::size_t{part.width} * part.rows * sizeof(PackedGuides);
+  if (packed != nullptr && packed->guided) {
+    DIAPHANE_CUDA_TRY(
+        cudaMemcpyPeerAsync(to, here, packed->guides.data(), packed->device, bytes, stream));
+  } else if (packed == nullptr && !part.guides.empty()) {
+    DIAPHANE_CUDA_TRY(
+        cudaMemcpyAsync(to, part.guides.data(), bytes, cudaMemcpyHostToDevice, stream));
+  }
+  return {};
 }
 
 Result<void> CudaFilm::merge(const FilmPart& part, cudaStream_t stream) {
@@ -208,6 +237,7 @@ Result<void> CudaFilm::merge(const FilmPart& part, cudaStream_t stream) {
   DIAPHANE_CUDA_TRY(merge_packed(from, std::uint64_t{canvas_.width} * part.first_row, count,
                                  part.samples, {sum_.data(), difference_.data(), state_.data()},
                                  stream));
+  if (guided_) DIAPHANE_TRY(merge_guides(part, packed, here, stream));
   // The next part uses the same memory.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
   count_as_merged(part.first_row, part.first_row + part.rows, part.samples);

@@ -21,6 +21,8 @@ namespace diaphane::render::cuda {
 struct PackedPart final : PixelsOnDevice {
   int device = 0;
   DeviceBuffer<PackedPixel> pixels;
+  DeviceBuffer<PackedGuides> guides;
+  bool guided = false;  ///< `guides` belong to the part
 };
 
 /// The accumulated picture of one canvas on the device: 40 bytes per pixel, and 3 more after it was
@@ -110,6 +112,12 @@ class CudaFilm {
   /// Fills in the part except for its pixels, for take() and take_here(). Returns false if there is
   /// nothing to take.
   bool describe(FilmPart& out) const;
+  /// Whether the part from describe() brings guides (FilmPart::guides).
+  bool brings_guides(const FilmPart& part) const {
+    return guided_ && taken_ < kGuidedSamples && part.rows < canvas_.height;
+  }
+  Result<void> merge_guides(const FilmPart& part, const PackedPart* packed, int here,
+                            cudaStream_t stream);
   Result<void> pack(const FilmPart& part, PackedPixel* to, cudaStream_t stream);
   void count_as_merged(std::uint32_t first_row, std::uint32_t last_row, std::uint64_t samples);
   /// Whether all rows of the share have the same, even number of samples.
