@@ -18,6 +18,7 @@
 #include "common/service/core_files.h"
 #include "common/service/freed_memory.h"
 #include "common/service/signals.h"
+#include "common/try.h"
 #include "directory/client.h"
 #include "renderd/composite/composite_engine.h"
 #include "renderd/scene/environment_store.h"
@@ -44,23 +45,52 @@ void log_fallback(const Error& reason) {
   log::warning("cuda_not_used", {{"code", to_string(reason.code)}, {"message", reason.message}});
 }
 
-/// Returns a single device as it is, and several devices or assistants as one composite.
-Result<std::unique_ptr<Engine>> engine_of(const Settings& settings, AssistSource* source) {
-  const auto count = static_cast<unsigned>(settings.devices.size());
+/// Makes the engines of all devices that this process sees and can use; none without a usable GPU.
+std::vector<std::unique_ptr<Engine>> engines_of_all_devices(const Settings& settings) {
+  std::vector<std::unique_ptr<Engine>> engines;
+  if (settings.engine == EngineChoice::kCpu) return engines;
+  for (int device = 0; device < visible_devices(); ++device) {
+    EngineOptions options = settings.options;
+    options.device = device;
+    auto engine = make_engine(EngineChoice::kCuda, 0, options);
+    if (engine) {
+      engines.push_back(std::move(*engine));
+    } else {
+      log::warning("device_left_out", {{"device", device}, {"message", engine.error().message}});
+    }
+  }
+  return engines;
+}
+
+Result<std::vector<std::unique_ptr<Engine>>> engines_of(const Settings& settings) {
+  std::vector<std::unique_ptr<Engine>> engines;
+  std::vector<int> devices = settings.devices;
+  if (devices.empty()) {
+    engines = engines_of_all_devices(settings);
+    if (!engines.empty()) return engines;
+    devices = {0};
+  }
+  const auto count = static_cast<unsigned>(devices.size());
   const unsigned cores =
       settings.threads > 0 ? settings.threads : std::thread::hardware_concurrency();
-  std::vector<std::unique_ptr<Engine>> engines;
-  for (const int device : settings.devices) {
+  for (const int device : devices) {
     EngineOptions options = settings.options;
     options.device = device;
     auto engine =
         make_engine(settings.engine, count > 1 ? std::max(1U, cores / count) : settings.threads,
                     options, log_fallback);
-    if (!engine) return engine;
+    DIAPHANE_TRY(engine);
     engines.push_back(std::move(*engine));
   }
-  if (count == 1 && source == nullptr) return std::move(engines.front());
-  return make_composite_engine(std::move(engines), source);
+  return engines;
+}
+
+/// Returns a single device as it is, and several devices or assistants as one composite.
+Result<std::unique_ptr<Engine>> engine_of(const Settings& settings, AssistSource* source) {
+  auto engines = engines_of(settings);
+  DIAPHANE_TRY(engines);
+  if (engines->size() == 1 && source == nullptr) return std::move(engines->front());
+  return make_composite_engine(*std::move(engines), source);
 }
 
 // Without copies, everything works, but more slowly.
@@ -189,7 +219,7 @@ Registry::Options registry_options(const Parts& parts, const std::string& incarn
           .address = settings.advertise,
           .engine = parts.info.engine,
           .device = parts.info.device,
-          .busy_seconds = [&] { return worker.runner().busy_seconds(); },
+          .busy_seconds = [&] { return worker.homes().busy_seconds(); },
           .volumes = [&] { return worker.volumes().loaded(); },
           .name_taken =
               [&](const std::string& holder) {
@@ -203,7 +233,7 @@ Registry::Options registry_options(const Parts& parts, const std::string& incarn
               [&worker, most = std::max<std::uint64_t>(1, parts.volume_bytes)] {
                 return static_cast<double>(worker.volumes().bytes()) / static_cast<double>(most);
               },
-          .error = [&] { return worker.runner().summed_error(); },
+          .error = [&] { return worker.homes().summed_error(); },
           // A few per second, so that they do not all arrive at other workers at once.
           .drain_ordered =
               [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); },
@@ -219,9 +249,9 @@ CapacityBroker::Options broker_options(const Parts& parts, const std::string& in
   lending.address = parts.settings.advertise;
   lending.owner = parts.settings.owner;
   lending.rules.most = parts.settings.lend;
-  lending.busy_seconds = [&] { return worker.runner().busy_seconds(); };
+  lending.busy_seconds = [&] { return worker.homes().busy_seconds(); };
   lending.lent_seconds = [&] { return worker.assists().lent_seconds(); };
-  lending.waiting = [&] { return worker.runner().waiting(); };
+  lending.waiting = [&] { return worker.homes().waiting(); };
   lending.volumes = [&] { return worker.volumes().loaded(); };
   lending.updated = [&](std::size_t borrowed) {
     metrics.lending(borrowed, worker.assists().used());
@@ -256,7 +286,10 @@ class ServingWorker {
 
 void ServingWorker::start_watchdog() {
   if (parts_.settings.silence.count() == 0) return;
-  std::vector<Watchdog::Watched> all = watched(parts_.worker.runner().progress());
+  std::vector<Watchdog::Watched> all;
+  for (const ProgressMonitor* monitor : parts_.worker.homes().progress()) {
+    for (Watchdog::Watched& one : watched(*monitor)) all.push_back(std::move(one));
+  }
   all.push_back({"main loop", [this] { return turns_.load(); }});
   watchdog_.emplace(std::move(all), Watchdog::Options{.limit = parts_.settings.silence,
                                                       .poll_interval = milliseconds(250),
@@ -275,7 +308,7 @@ void ServingWorker::run(service::StopSignal& stop) {
     ++turns_;
     parts_.worker.host().tick();
     parts_.server.sweep();
-    parts_.metrics.device(parts_.worker.runner().times());
+    parts_.metrics.device(parts_.worker.homes().times());
   }
 }
 

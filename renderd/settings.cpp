@@ -21,12 +21,13 @@ std::vector<std::string> split(const std::string& text) {
 }
 
 void read_devices(ConfigReader& in, Settings& settings) {
-  const std::string devices = in.text(
-      "devices",
-      "comma-separated CUDA device numbers of the GPUs that render each picture together; with the "
-      "CPU engine, that many engines share the threads",
-      "0");
-  for (const std::string& word : split(devices)) {
+  const std::string devices = in.text("devices",
+                                      "CUDA device numbers, separated by commas, or 'all'. "
+                                      "Sessions are spread over these GPUs, and "
+                                      "idle ones help the others. With the CPU engine, as many "
+                                      "engines as numbers share the threads",
+                                      "all");
+  for (const std::string& word : devices == "all" ? std::vector<std::string>{} : split(devices)) {
     int number = 0;
     const auto [end, wrong] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (wrong != std::errc() || end != word.data() + word.size() || number < 0 ||
@@ -36,7 +37,7 @@ void read_devices(ConfigReader& in, Settings& settings) {
     }
     settings.devices.push_back(number);
   }
-  if (settings.devices.empty()) in.mistake("--devices: no device given");
+  if (devices.empty()) in.mistake("--devices: no device given");
   settings.assist = split(in.text("assist",
                                   "comma-separated addresses (host:port or unix:PATH) of other "
                                   "renderd processes that help to render each "

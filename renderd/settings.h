@@ -39,7 +39,7 @@ struct Settings {
   std::chrono::seconds silence{0};
   EngineOptions options;
   bool mark_frames = false;
-  std::vector<int> devices;
+  std::vector<int> devices;  ///< empty: all that are visible
   std::vector<std::string> assist;
   std::size_t lend = 0;
   std::string owner;

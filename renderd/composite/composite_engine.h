@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,14 +26,26 @@ class AssistSource {
   virtual std::vector<std::unique_ptr<Assistant>> assistants(const AssistOrder& order) = 0;
 };
 
-/// Makes an engine whose pictures are rendered by several devices. The first of `devices` shows the
-/// pictures, and the others take turns between all pictures. `source` adds assistants of other
-/// processes; it may be null and must outlive the engine. To its caller the engine looks like the
-/// first device.
-std::unique_ptr<Engine> make_composite_engine(std::vector<std::unique_ptr<Engine>> devices,
-                                              AssistSource* source, CompositeOptions options = {});
+/// Several devices that render pictures together. A picture has a home device, which shows it and
+/// merges what the other devices add to it in turns. As an Engine, it gives all pictures the first
+/// device as their home.
+class CompositeEngine : public Engine {
+ public:
+  virtual std::size_t devices() const = 0;
+  /// Returns this engine with another home device. All homes share the volumes.
+  virtual Engine& home(std::size_t device) = 0;
+  /// A device helps no other while `needed` is true for it. Never waits; called by several threads.
+  /// The previous function is never called after this returns.
+  virtual void keep_for_own(std::function<bool(std::size_t device)> needed) = 0;
+};
 
-/// Makes a renderer for another worker's picture. It uses only the first device, so that assistants
+/// Makes an engine of at least one device. `source` adds assistants of other processes; it may be
+/// null and must outlive the engine.
+std::unique_ptr<CompositeEngine> make_composite_engine(std::vector<std::unique_ptr<Engine>> devices,
+                                                       AssistSource* source,
+                                                       CompositeOptions options = {});
+
+/// Makes a renderer for another worker's picture. It uses only the home device, so that assistants
 /// do not request assistants themselves. `engine` may be any engine.
 Result<std::unique_ptr<FrameRenderer>> renderer_of_one_device(
     Engine& engine, const std::shared_ptr<const DeviceVolume>& volume, std::uint64_t seed,

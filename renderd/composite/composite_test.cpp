@@ -35,6 +35,7 @@ class ScriptedAssistant final : public Assistant {
   void begin(const AssistTask& task) override {
     script_->task = task;
     ++script_->tasks;
+    script_->renderer->prepare_denoising(task.guided);
     ASSERT_TRUE(script_->renderer->set_scene(*task.scene, task.canvas));
     ASSERT_TRUE(script_->renderer->set_share(task.share));
     asked_ = false;
@@ -245,44 +246,101 @@ TEST_F(Composite, ChoosesTheDivisionOnceSpeedsAreKnown) {
   ASSERT_TRUE(many->render(4, nullptr));
   (void)many->progress();
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+}
+
+TEST_F(Composite, BandsBringTheGuidesOfTheDenoiser) {
+  const auto many = composite(2, {.division = Division::kTiles});
   many->prepare_denoising(true);
   ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
-  EXPECT_EQ(many->composite().division, Division::kAverage)
-      << "denoising needs the guides of all rows";
+  ASSERT_TRUE(many->render(4, nullptr));
+  ASSERT_EQ(many->progress().samples, 4u);
+  const auto one = renderer();
+  one->prepare_denoising(true);
+  ASSERT_TRUE(one->set_scene(test::skull_scene(), kCanvas));
+  ASSERT_TRUE(one->set_share({.sequence = 1}));
+  ASSERT_TRUE(one->render(4, nullptr));
+  PictureRgbF together, alone;
+  const auto smoothed = many->radiance_denoised(together), expected = one->radiance_denoised(alone);
+  ASSERT_TRUE(smoothed && expected && *smoothed && *expected);
+  // The filter compares pixels in units of their noise, of which parts keep 2 bits (PackedPixel),
+  // so its weights differ. Without the guides of a band, the pictures differ by more than half.
+  EXPECT_LT(largest_difference(together.pixels, alone.pixels), 0.05);
 }
 
 /// Devices of one process, as in a renderd with several GPUs.
-TEST(CompositeEngine, LocalDevicesRenderOneImageAndStopWithIt) {
-  for (const Division division : {Division::kAverage, Division::kTiles}) {
+class CompositeEngineTest : public testing::Test {
+ protected:
+  void start(Division division) {
     std::vector<std::unique_ptr<Engine>> devices;
     for (int i = 0; i < 3; ++i) devices.push_back(make_cpu_engine(1));
+    renderer_.reset();
     // The patience is long because a device that is late for the first picture would lose its share
     // on a slow test machine.
-    const auto engine = make_composite_engine(
-        std::move(devices), nullptr, {.division = division, .patience = std::chrono::hours(1)});
-    EXPECT_EQ(engine->info().device.substr(0, 4), "3 x ");
-    const auto volume = *engine->load(test::skull_volume());
-    const auto renderer = *engine->renderer(volume, 7, 0);
-    ASSERT_TRUE(renderer->set_scene(test::skull_scene(), kCanvas));
-    const auto& report = dynamic_cast<CompositeRenderer&>(*renderer).composite();
-    while (renderer->progress().samples < 40 || report.parts <= 2) {
-      ASSERT_TRUE(renderer->render(2, [] { return false; }));
-    }
-    EXPECT_EQ(report.dropped_parts, 0u);
-    EXPECT_EQ(report.assistants, 2u);
-
+    engine_ = make_composite_engine(std::move(devices), nullptr,
+                                    {.division = division, .patience = std::chrono::hours(1)});
+    renderer_ = *engine_->renderer(*engine_->load(test::skull_volume()), 7, 0);
+    ASSERT_TRUE(renderer_->set_scene(test::skull_scene(), kCanvas));
+  }
+  void until(const std::function<bool()>& test) {
+    while (!test()) ASSERT_TRUE(renderer_->render(2, [] { return false; }));
+  }
+  const CompositeReport& report() const {
+    return dynamic_cast<CompositeRenderer&>(*renderer_).composite();
+  }
+  /// Returns the root mean square difference to the picture of one device.
+  double off() const {
     const auto one = make_cpu_engine(2);
     const auto truth = *one->renderer(*one->load(test::skull_volume()), 99, 0);
-    ASSERT_TRUE(truth->set_scene(test::skull_scene(), kCanvas));
-    ASSERT_TRUE(truth->render(60, nullptr));
+    EXPECT_TRUE(truth->set_scene(test::skull_scene(), kCanvas));
+    EXPECT_TRUE(truth->render(60, nullptr));
     PictureRgbF a, b;
-    ASSERT_TRUE(renderer->radiance(a) && truth->radiance(b));
+    EXPECT_TRUE(renderer_->radiance(a) && truth->radiance(b));
     double squared = 0;
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
       squared += std::pow(std::min(a.pixels[i], 1.0f) - std::min(b.pixels[i], 1.0f), 2);
     }
-    EXPECT_LT(std::sqrt(squared / static_cast<double>(a.pixels.size())), 0.06);
+    return std::sqrt(squared / static_cast<double>(a.pixels.size()));
   }
+
+  std::unique_ptr<CompositeEngine> engine_;
+  std::unique_ptr<FrameRenderer> renderer_;
+};
+
+TEST_F(CompositeEngineTest, LocalDevicesRenderOneImageAndStopWithIt) {
+  for (const Division division : {Division::kAverage, Division::kTiles}) {
+    start(division);
+    EXPECT_EQ(engine_->info().device.substr(0, 4), "3 x ");
+    until([&] { return renderer_->progress().samples >= 40 && report().parts > 2; });
+    EXPECT_EQ(report().dropped_parts, 0u);
+    EXPECT_EQ(report().assistants, 2u);
+    EXPECT_LT(off(), 0.06);
+  }
+}
+
+TEST_F(CompositeEngineTest, DeviceThatItsOwnPicturesNeedLeavesAndComesBack) {
+  for (const Division division : {Division::kAverage, Division::kTiles}) {
+    start(division);
+    until([&] { return report().parts > 2; });
+    engine_->keep_for_own([](std::size_t device) { return device == 2; });
+    until([&] { return report().assistants == 1; });
+    const auto before = renderer_->progress().samples;
+    until([&] { return renderer_->progress().samples >= before + 8; });
+    engine_->keep_for_own({});
+    until([&] { return report().assistants == 2; });
+    until([&] { return renderer_->progress().samples >= 60; });
+    EXPECT_LT(off(), 0.06);
+  }
+}
+
+TEST_F(CompositeEngineTest, EveryDeviceCanBeTheHome) {
+  start(Division::kAverage);
+  const auto volume = *engine_->load(test::skull_volume());
+  renderer_ = *engine_->home(2).renderer(volume, 7, 0);
+  ASSERT_TRUE(renderer_->set_scene(test::skull_scene(), kCanvas));
+  until([&] { return renderer_->progress().samples >= 40 && report().parts > 2; });
+  EXPECT_LT(off(), 0.06);
+  const auto alone = *renderer_of_one_device(engine_->home(1), volume, 7, 0, {});
+  EXPECT_EQ(dynamic_cast<CompositeRenderer*>(alone.get()), nullptr);
 }
 
 /// Counts the calls that it gets.
@@ -338,6 +396,43 @@ TEST(DeviceThread, PausesWhileItsPartsAreNotTaken) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_GT(*samples, rested);
+}
+
+TEST(DeviceThread, HelpsNoOtherWhileItsOwnPicturesNeedIt) {
+  const auto samples = std::make_shared<std::atomic<int>>(0);
+  std::atomic<bool> needed{true};
+  DeviceThread thread;
+  thread.keep_for_own([&] { return needed.load(); });
+  const auto assistant = thread.assistant(std::make_unique<CountingRenderer>(samples));
+  const auto becomes_lost = [&](bool lost) {
+    for (int i = 0; i < 5000 && assistant->lost() != lost; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return assistant->lost() == lost;
+  };
+  const auto delivers = [&] {
+    for (int i = 0; i < 5000; ++i) {
+      if (assistant->take({})) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  };
+  AssistTask task;
+  task.scene = std::make_shared<const diaphane::v1::Scene>();
+  assistant->begin(task);
+  ASSERT_TRUE(becomes_lost(true));
+  EXPECT_EQ(*samples, 0);
+  needed = false;
+  ASSERT_TRUE(becomes_lost(false));
+  assistant->begin(task);
+  ASSERT_TRUE(delivers());
+  needed = true;
+  ASSERT_TRUE(becomes_lost(true));
+  const int before = *samples;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(*samples, before);
+  thread.keep_for_own({});
+  EXPECT_TRUE(becomes_lost(false));
 }
 
 }  // namespace

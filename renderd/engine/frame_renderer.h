@@ -95,6 +95,9 @@ std::optional<KernelChoice> kernel_choice(std::string_view name);
 /// these.
 Result<EngineOptions> engine_options_from_environment();
 
+/// Returns the number of CUDA devices that this process sees, which is 0 without a usable driver.
+int visible_devices();
+
 /// Receives the reason why EngineChoice::kAuto did not choose CUDA.
 using FallbackReport = std::function<void(const Error& reason)>;
 

@@ -60,6 +60,14 @@ Result<EngineOptions> engine_options_from_environment() {
   return options;
 }
 
+int visible_devices() {
+#if defined(DIAPHANE_HAVE_CUDA)
+  return visible_cuda_devices();
+#else
+  return 0;
+#endif
+}
+
 Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads,
                                             const EngineOptions& options,
                                             const FallbackReport& on_fallback) {

@@ -37,6 +37,7 @@ Result<AssistTask> task_of(const v1::AssistTask& message) {
   task.scene = std::make_shared<const v1::Scene>(message.scene());
   task.canvas = canvas;
   task.share = {message.first_row(), last, message.part(), message.parts(), message.sequence()};
+  task.guided = message.guided();
   return task;
 }
 
@@ -87,7 +88,7 @@ void AssistHost::Session::receive(const v1::AssistRequest& request) {
       break;
     case v1::AssistRequest::kTaken:
       desk_->taken({request.taken().samples(), request.taken().error()});
-      host_.runner_.wake();
+      home_->runner.wake();
       done = {};
       break;
     case v1::AssistRequest::BODY_NOT_SET:
@@ -112,12 +113,12 @@ Result<void> AssistHost::Session::open(const v1::AssistOpen& open) {
 void AssistHost::Session::volume_ready(const v1::AssistOpen& open,
                                        Result<VolumeCache::Handle> volume) {
   if (!volume) return end(volume.error());
-  auto renderer = renderer_of_one_device(host_.engine_, *volume, open.seed(), open.first_sample(),
+  auto renderer = renderer_of_one_device(home_->engine, *volume, open.seed(), open.first_sample(),
                                          kSharedMethod);
   if (!renderer) return end(renderer.error());
   const std::lock_guard lock(mutex_);
   if (!link_) return;
-  handle_ = host_.runner_.add(shared_from_this(),
+  handle_ = home_->runner.add(shared_from_this(),
                               std::make_unique<AssistRenderer>(*std::move(renderer), desk_), 0);
   v1::AssistReply reply;
   reply.mutable_ready();
@@ -131,7 +132,7 @@ Result<void> AssistHost::Session::take(const v1::AssistTask& message) {
   DIAPHANE_TRY(task);
   desk_->put(std::move(*task));
   version_ = desk_->newest().version;
-  host_.runner_.wake();
+  home_->runner.wake();
   return {};
 }
 
@@ -142,7 +143,7 @@ void AssistHost::Session::closed() {
     link_.reset();
     handle = std::exchange(handle_, 0);
   }
-  if (handle != 0) host_.runner_.remove(handle);
+  if (handle != 0) home_->runner.remove(handle);
   host_.forget(shared_from_this());
 }
 
@@ -197,6 +198,7 @@ void AssistHost::Session::send_part() {
     band.set_samples(film.samples);
     band.set_render_us(static_cast<std::uint64_t>(us_per_row * film.rows));
     band.set_pixels(pixels_to_wire(film.pixels.data(), film.pixels.size()));
+    band.set_guides(guides_to_wire(film.guides));
     band.set_last(i + 1 == bands.size());
     link->send(std::move(reply));
   }

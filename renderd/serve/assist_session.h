@@ -7,7 +7,7 @@
 
 #include "api/proto/worker.pb.h"
 #include "renderd/composite/assist_renderer.h"
-#include "renderd/schedule/runner.h"
+#include "renderd/serve/homes.h"
 #include "renderd/session/volume_cache.h"
 
 namespace diaphane::render {
@@ -28,8 +28,8 @@ class AssistHost {
     std::size_t most = 16;  ///< concurrent sessions
   };
 
-  AssistHost(Options options, Engine& engine, Runner& runner, VolumeCache& volumes)
-      : options_(options), engine_(engine), runner_(runner), volumes_(volumes) {}
+  AssistHost(Options options, Homes& homes, VolumeCache& volumes)
+      : options_(options), homes_(homes), volumes_(volumes) {}
 
   class Session;
   /// kTooMany. kUnavailable while draining.
@@ -44,8 +44,7 @@ class AssistHost {
   void forget(const std::shared_ptr<Session>& session);
 
   const Options options_;
-  Engine& engine_;
-  Runner& runner_;
+  Homes& homes_;
   VolumeCache& volumes_;
   mutable std::mutex mutex_;
   std::set<std::shared_ptr<Session>> sessions_;
@@ -57,7 +56,7 @@ class AssistHost::Session final : public RenderClient,
                                   public std::enable_shared_from_this<AssistHost::Session> {
  public:
   Session(AssistHost& host, std::shared_ptr<AssistLink> link)
-      : host_(host), link_(std::move(link)) {}
+      : host_(host), home_(host.homes_.take()), link_(std::move(link)) {}
 
   /// An invalid message ends the connection with kInvalid.
   void receive(const diaphane::v1::AssistRequest& request);
@@ -85,6 +84,7 @@ class AssistHost::Session final : public RenderClient,
   void send_part();
 
   AssistHost& host_;
+  const std::shared_ptr<const Home> home_;
   const std::shared_ptr<AssistDesk> desk_ = std::make_shared<AssistDesk>();
   std::atomic<std::uint64_t> version_{0};
   std::mutex mutex_;

@@ -150,7 +150,7 @@ TEST_F(Assist, AssistantStopsWhenTheImageIsNotWatched) {
   start(1, {.division = Division::kAverage});
   ASSERT_TRUE(until([&] { return report().parts >= 3; }));
   // Without a viewer, the helper renders at most what it has delivered.
-  const auto busy = [&] { return helpers_[0]->worker->runner().busy_seconds(); };
+  const auto busy = [&] { return helpers_[0]->worker->homes().busy_seconds(); };
   bool rests = false;
   for (int i = 0; i < 20 && !rests; ++i) {
     const double before = busy();

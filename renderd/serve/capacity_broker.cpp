@@ -52,7 +52,7 @@ void CapacityBroker::run() {
   while (
       !changed_.wait_for(lock, std::min(kSample, options_.period), [this] { return stopping_; })) {
     lock.unlock();
-    waited_ += static_cast<double>(options_.waiting());
+    waited_ += options_.waiting();
     ++ticks_;
     if (Clock::now() - since_ >= options_.period) update();
     lock.lock();

@@ -120,7 +120,7 @@ Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, cons
 Result<std::unique_ptr<FrameRenderer>> LiveSession::renderer_of(
     const Result<VolumeCache::Handle>& volume) {
   DIAPHANE_TRY(volume);
-  return parts_.engine.renderer(*volume, random_seed(), 0, kLiveMethod);
+  return parts_.home->engine.renderer(*volume, random_seed(), 0, kLiveMethod);
 }
 
 void LiveSession::start() {
@@ -153,8 +153,8 @@ void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
   }
   if (!state_.requested.scene) state_.requested.scene = first_look();
   runner_handle_ =
-      parts_.runner.add(std::shared_ptr<RenderClient>(shared_from_this(), client_.get()),
-                        std::move(*renderer), first_epoch(state_.placement));
+      parts_.home->runner.add(std::shared_ptr<RenderClient>(shared_from_this(), client_.get()),
+                              std::move(*renderer), first_epoch(state_.placement));
   for (const Receiver& receiver : state_.audience.receivers) {
     if (receiver.greeted) send_config(receiver.connection);
   }
@@ -374,7 +374,7 @@ void LiveSession::send_config(std::uint64_t connection) {
   if (!receiver) return;
   v1::ServerMessage message;
   v1::Config& config = *message.mutable_config();
-  const EngineInfo engine = parts_.engine.info();
+  const EngineInfo engine = parts_.home->engine.info();
   config.set_protocol(1);
   config.set_session_id(facts_.id);
   config.set_codec(receiver->codec);
@@ -503,10 +503,10 @@ void LiveSession::carry_out(const effect::Warn& effect) {
   log::warning(effect.event, {{"session", facts_.id}});
 }
 
-void LiveSession::carry_out(const effect::WakeRunner&) { parts_.runner.wake(); }
+void LiveSession::carry_out(const effect::WakeRunner&) { parts_.home->runner.wake(); }
 
 void LiveSession::carry_out(const effect::LeaveRunner& effect) {
-  parts_.runner.remove(effect.handle);
+  parts_.home->runner.remove(effect.handle);
 }
 
 void LiveSession::carry_out(const effect::PokeEncoders&) {

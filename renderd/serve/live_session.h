@@ -16,6 +16,7 @@
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/file_work.h"
 #include "renderd/serve/gpu_time_meter.h"
+#include "renderd/serve/homes.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/session/collaboration.h"
 #include "renderd/session/convergence.h"
@@ -84,8 +85,7 @@ struct SessionStatus {
 
 /// What a session needs from the process. Everything outlives the session.
 struct SessionParts {
-  Engine& engine;
-  Runner& runner;
+  std::shared_ptr<const Home> home;
   EncodePool& encoders;
   Metrics& metrics;
   const Clock& clock;

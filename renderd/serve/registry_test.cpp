@@ -24,7 +24,7 @@ struct RegistryTest : testing::Test {
                                      std::function<void(const std::string&)> name_taken = {}) {
     return std::make_unique<Registry>(
         Registry::Options{"w1", incarnation, address, "fake", "a test",
-                          [this] { return worker->runner().busy_seconds(); },
+                          [this] { return worker->homes().busy_seconds(); },
                           [this] { return worker->volumes().loaded(); }, std::move(name_taken)},
         redis.client(), worker->host(), metrics);
   }

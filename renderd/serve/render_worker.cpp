@@ -93,8 +93,12 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
     : metrics_(metrics),
       copies_(options.copies),
       engine_(std::move(engine)),
-      runner_(std::make_unique<Runner>(policy_of(options), clock,
-                                       with_device(options.runner, *engine_))),
+      homes_(std::make_unique<Homes>(*engine_,
+                                     [&options, &clock](const Engine& device) {
+                                       return std::make_unique<Runner>(
+                                           policy_of(options), clock,
+                                           with_device(options.runner, device));
+                                     })),
       encoders_(std::make_unique<EncodePool>(options.encoder_threads)),
       volumes_(std::make_unique<VolumeCache>(
           [this, source = Source{options.volume_dir, options.copies}](const VolumeKey& key) {
@@ -114,13 +118,13 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
           [store = options.volume_dir](const std::string& id) {
             return volume::stored_hash(store + "/" + id);
           })),
-      host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
-                                          stats_, SliceParts{*voxels_, *slicers_}, *textures_,
-                                          metrics, clock)),
-      stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, stats_,
-                                             metrics, clock, options.still_samples)),
-      assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *engine_,
-                                            *runner_, *volumes_)),
+      host_(std::make_unique<SessionHost>(options.host, *homes_, *encoders_, *volumes_, stats_,
+                                          SliceParts{*voxels_, *slicers_}, *textures_, metrics,
+                                          clock)),
+      stills_(std::make_unique<StillService>(*homes_, *encoders_, *volumes_, stats_, metrics, clock,
+                                             options.still_samples)),
+      assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *homes_,
+                                            *volumes_)),
       watching_([this](const std::stop_token& stop) { watch_store(stop); }) {
   slow_down_decoding();
 }
@@ -154,20 +158,20 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
 void RenderWorker::stop() {
   host_->end_all();
   assists_->end_all();
-  runner_->stop();
+  homes_->stop();
 }
 
 RenderWorker::~RenderWorker() {
   watching_ = {};
   stop();
-  // Loading or encoding in progress still ends in a call to the runner, until the runner is
+  // Loading or encoding in progress still ends in a call to a runner, until the runners are
   // destroyed.
   volumes_.reset();
   slicers_.reset();
   textures_.reset();
   voxels_.reset();
   encoders_.reset();
-  runner_.reset();
+  homes_.reset();
 }
 
 }  // namespace diaphane::render

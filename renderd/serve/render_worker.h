@@ -7,6 +7,7 @@
 
 #include "common/clock.h"
 #include "renderd/serve/assist_session.h"
+#include "renderd/serve/homes.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/session_host.h"
 #include "renderd/serve/still_service.h"
@@ -15,7 +16,8 @@
 
 namespace diaphane::render {
 
-/// One device and its sessions, runner, encoders and volumes, without the network.
+/// The devices of this process with their sessions, runners, encoders and volumes, without the
+/// network.
 class RenderWorker {
  public:
   struct Options {
@@ -41,7 +43,7 @@ class RenderWorker {
   StillService& stills() { return *stills_; }
   AssistHost& assists() { return *assists_; }
   VolumeCache& volumes() { return *volumes_; }
-  Runner& runner() { return *runner_; }
+  Homes& homes() { return *homes_; }
 
  private:
   void slow_down_decoding();
@@ -54,7 +56,7 @@ class RenderWorker {
   // Each may call those before it. The destructor defines the order of destruction.
   std::unique_ptr<Engine> engine_;
   VolumeStatsCache stats_;
-  std::unique_ptr<Runner> runner_;
+  std::unique_ptr<Homes> homes_;
   std::unique_ptr<EncodePool> encoders_;
   std::unique_ptr<VolumeCache> volumes_;
   std::unique_ptr<EncodePool> slicers_;

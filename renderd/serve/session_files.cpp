@@ -81,13 +81,13 @@ Result<LiveSession::File> LiveSession::begin_file(effect::StartFile& effect) {
   }
   auto maker = make_file_maker(effect.request, std::exchange(effect.keys, {}));
   DIAPHANE_TRY(maker);
-  auto renderer = parts_.engine.renderer(effect.volume, kFileSeed, 0, kFileMethod);
+  auto renderer = parts_.home->engine.renderer(effect.volume, kFileSeed, 0, kFileMethod);
   DIAPHANE_TRY(renderer);
   auto link = std::make_shared<FileLink>(weak_from_this(), effect.file);
   // The work owns the reservation, also while a lane still holds the work.
   auto took = [&meter = parts_.gpu_time, user = facts_.charged_to,
                place = std::move(place)](double seconds) { meter.add(user, seconds); };
-  auto work = std::make_shared<FileWork>(parts_.runner, parts_.encoders, std::move(*renderer),
+  auto work = std::make_shared<FileWork>(parts_.home->runner, parts_.encoders, std::move(*renderer),
                                          std::move(*maker), link, std::move(took));
   return File{effect.file, std::move(link), std::move(work)};
 }

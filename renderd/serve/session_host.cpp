@@ -71,12 +71,11 @@ bool is_displaced(const Error& why) {
   return why.code == ErrorCode::kTooMany && why.field == kVisitorSlot;
 }
 
-SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-                         VolumeCache& volumes, const VolumeStatsCache& stats, SliceParts slices,
-                         EncodePool& textures, Metrics& metrics, const Clock& clock)
+SessionHost::SessionHost(Options options, Homes& homes, EncodePool& encoders, VolumeCache& volumes,
+                         const VolumeStatsCache& stats, SliceParts slices, EncodePool& textures,
+                         Metrics& metrics, const Clock& clock)
     : options_(options),
-      engine_(engine),
-      runner_(runner),
+      homes_(homes),
       encoders_(encoders),
       volumes_(volumes),
       stats_(stats),
@@ -141,8 +140,7 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
 }
 
 SessionParts SessionHost::parts() {
-  return {engine_,
-          runner_,
+  return {homes_.take(),
           encoders_,
           metrics_,
           clock_,

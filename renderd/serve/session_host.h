@@ -10,6 +10,7 @@
 
 #include "api/proto/worker.pb.h"
 #include "common/visitor_share.h"
+#include "renderd/serve/homes.h"
 #include "renderd/serve/live_session.h"
 #include "renderd/session/volume_cache.h"
 
@@ -59,9 +60,9 @@ class SessionHost {
     bool visitor = false;       ///< of a visitor, or a guest's free camera
   };
 
-  SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-              VolumeCache& volumes, const VolumeStatsCache& stats, SliceParts slices,
-              EncodePool& textures, Metrics& metrics, const Clock& clock);
+  SessionHost(Options options, Homes& homes, EncodePool& encoders, VolumeCache& volumes,
+              const VolumeStatsCache& stats, SliceParts slices, EncodePool& textures,
+              Metrics& metrics, const Clock& clock);
   ~SessionHost();
 
   /// Opens a session or joins an existing one. kTooMany: no slot is free, or the session is full.
@@ -123,8 +124,7 @@ class SessionHost {
   Session find(const std::string& id) const;  // null if there is none
 
   const Options options_;
-  Engine& engine_;
-  Runner& runner_;
+  Homes& homes_;
   EncodePool& encoders_;
   VolumeCache& volumes_;
   const VolumeStatsCache& stats_;

@@ -74,7 +74,7 @@ void LiveSession::labels_ready(bool with_table, Result<VolumeCache::Handle> load
 void LiveSession::change_volume(VolumeCache::Handle volume,
                                 std::unique_ptr<FrameRenderer> renderer) {
   const std::string labels = volume_ ? volume_->header().label_hash : std::string();
-  parts_.runner.replace(runner_handle_, std::move(renderer));
+  parts_.home->runner.replace(runner_handle_, std::move(renderer));
   volume_ = std::move(volume);
   if (volume_->header().label_hash == labels) return;
   const VolumeStats stats = parts_.stats.of(*volume_);

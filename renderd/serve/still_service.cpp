@@ -62,6 +62,7 @@ struct StillService::Order {
   Done done;
   std::shared_ptr<std::atomic<int>> pending;
   std::chrono::steady_clock::time_point begun;
+  std::shared_ptr<const Home> home = nullptr;  ///< chosen once the volume is loaded
 
   void answer(Result<v1::StillReply> reply) {
     if (const Done call = std::exchange(done, nullptr)) call(std::move(reply));
@@ -100,7 +101,8 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
     if (!preset) return order->answer(tl::unexpected(preset.error()));
     job.scene = std::make_shared<const v1::Scene>(preset->scene());
   }
-  auto renderer = engine_.renderer(*volume, kStillSeed, 0, kLiveMethod);
+  order->home = homes_.take();
+  auto renderer = order->home->engine.renderer(*volume, kStillSeed, 0, kLiveMethod);
   if (!renderer) return order->answer(tl::unexpected(renderer.error()));
   job.renderer = std::move(*renderer);
   job.canvas = order->canvas;
@@ -117,7 +119,7 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
       metrics_.still(std::chrono::duration<double>(clock_.now() - order->begun).count());
     });
   };
-  runner_.submit(std::move(job));
+  order->home->runner.submit(std::move(job));
 }
 
 }  // namespace diaphane::render

@@ -7,7 +7,7 @@
 #include "api/proto/worker.pb.h"
 #include "common/clock.h"
 #include "renderd/encode/encode_pool.h"
-#include "renderd/schedule/runner.h"
+#include "renderd/serve/homes.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/session/volume_cache.h"
 #include "renderd/session/volume_stats.h"
@@ -23,11 +23,10 @@ class StillService {
   static constexpr std::uint32_t kMostSamples = 4096;
 
   /// `most_samples`: no picture gets more samples per pixel, whatever is requested.
-  StillService(Engine& engine, Runner& runner, EncodePool& encoders, VolumeCache& volumes,
+  StillService(Homes& homes, EncodePool& encoders, VolumeCache& volumes,
                const VolumeStatsCache& stats, Metrics& metrics, const Clock& clock,
                std::uint32_t most_samples = kMostSamples)
-      : engine_(engine),
-        runner_(runner),
+      : homes_(homes),
         encoders_(encoders),
         volumes_(volumes),
         stats_(stats),
@@ -44,8 +43,7 @@ class StillService {
   struct Order;
   void begin(std::shared_ptr<Order> order, Result<VolumeCache::Handle> volume);
 
-  Engine& engine_;
-  Runner& runner_;
+  Homes& homes_;
   EncodePool& encoders_;
   VolumeCache& volumes_;
   const VolumeStatsCache& stats_;

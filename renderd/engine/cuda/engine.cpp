@@ -81,6 +81,11 @@ cudaError_t start_device(int device) {
 
 }  // namespace
 
+int visible_cuda_devices() {
+  int count = 0;
+  return cudaGetDeviceCount(&count) == cudaSuccess ? count : 0;
+}
+
 Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineOptions& options) {
   int count = 0;
   if (const cudaError_t status = cudaGetDeviceCount(&count); status != cudaSuccess) {

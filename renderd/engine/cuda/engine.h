@@ -13,4 +13,7 @@ namespace diaphane::render {
 /// builds with the target `render_cuda` (DIAPHANE_HAVE_CUDA).
 Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineOptions& options = {});
 
+/// Returns the number of visible devices, or 0 if the driver cannot be used.
+int visible_cuda_devices();
+
 }  // namespace diaphane::render
