@@ -19,7 +19,7 @@ struct WorkerReport {
   std::string owner;  ///< as in FleetReport
   double age_s = 0;
   double busy = 0;    ///< share of the device used in the second before it, 0 to 1
-  double memory = 0;  ///< used share of the device's memory, 0 to 1
+  double memory = 0;  ///< used share of the memory for loaded volumes, 0 to 1
   int sessions = 0;
   int used = 0;  ///< occupied slots: sessions and reservations
   int slots = 0;

@@ -45,7 +45,8 @@ Result<HeartbeatReply> WorkerDirectory::beat(const Heartbeat& heartbeat) {
                                      flag(heartbeat.draining),
                                      decimal("%.3f", heartbeat.load),
                                      decimal("%.4f", heartbeat.expected),
-                                     joined(heartbeat.volumes)};
+                                     joined(heartbeat.volumes),
+                                     heartbeat.node};
   for (const Heartbeat::Session& one : heartbeat.sessions) {
     arguments.insert(arguments.end(), {one.id, std::to_string(one.placement), flag(one.visitor)});
   }
@@ -130,6 +131,7 @@ Result<std::vector<Peer>> WorkerDirectory::peers(const PeerQuery& query) {
     peer.age_s = std::atof(one.at(4).c_str()) / 1000;
     peer.draining = one.at(5) != "0";
     peer.volumes = split(one.at(6));
+    peer.node = one.at(7);
     found.push_back(std::move(peer));
   }
   return found;

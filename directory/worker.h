@@ -26,6 +26,7 @@ struct Heartbeat {
   double load = 0;                   ///< share of the device used in the last second, 0 to 1
   double expected = 0;               ///< share of the device that its sessions will need
   std::vector<std::string> volumes;  ///< IDs of the loaded volumes
+  std::string node;                  ///< name of the machine that it runs on; empty: unknown
   std::vector<Session> sessions;     ///< the sessions that it has
 };
 
@@ -41,7 +42,7 @@ struct HeartbeatReply {
 /// The state that a worker of a fleet reports to the operator with its heartbeat.
 struct FleetReport {
   std::string owner;
-  double memory = 0;  ///< used share of the device's memory, 0 to 1
+  double memory = 0;  ///< used share of the memory for loaded volumes, 0 to 1
   double error = 0;   ///< sum of the estimated relative errors of all its pictures
 };
 
@@ -71,6 +72,7 @@ struct Peer {
   double age_s = 0;  ///< seconds since its heartbeat
   bool draining = false;
   std::vector<std::string> volumes;
+  std::string node;  ///< as in Heartbeat
 };
 
 struct PeerQuery {

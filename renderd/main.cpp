@@ -219,6 +219,7 @@ Registry::Options registry_options(const Parts& parts, const std::string& incarn
           .address = settings.advertise,
           .engine = parts.info.engine,
           .device = parts.info.device,
+          .node = settings.node,
           .busy_seconds = [&] { return worker.homes().busy_seconds(); },
           .volumes = [&] { return worker.volumes().loaded(); },
           .name_taken =
@@ -247,6 +248,7 @@ CapacityBroker::Options broker_options(const Parts& parts, const std::string& in
   lending.worker_id = parts.settings.worker_id;
   lending.incarnation = incarnation;
   lending.address = parts.settings.advertise;
+  lending.node = parts.settings.node;
   lending.owner = parts.settings.owner;
   lending.rules.most = parts.settings.lend;
   lending.busy_seconds = [&] { return worker.homes().busy_seconds(); };

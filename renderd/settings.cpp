@@ -1,5 +1,7 @@
 #include "renderd/settings.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
@@ -12,6 +14,11 @@
 
 namespace diaphane::render {
 namespace {
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
 
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> words;
@@ -182,6 +189,10 @@ Settings read_settings(ConfigReader& in) {
                 {"0", "1"}, "0") == "1";
   settings.owner =
       in.text("owner", "owner of this worker, set by the operator that created its pod", "");
+  settings.node = in.text(
+      "node",
+      "name of the machine, whose other workers are preferred as helpers (default: host name)",
+      host_name());
   read_devices(in, settings);
   return settings;
 }

@@ -43,6 +43,7 @@ struct Settings {
   std::vector<std::string> assist;
   std::size_t lend = 0;
   std::string owner;
+  std::string node;
   wire::InnerTls tls;
 };
 

@@ -1,6 +1,6 @@
 -- A worker reports that it is alive and which sessions it has, in one round trip (docs/contracts.md, Redis).
 -- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 expected load, 10 volumes,
---       then session id, placement and visitor ("1": a visitor's session or a guest's free camera) of each live session
+--       11 node (empty: unknown), then session id, placement and visitor ("1": a visitor's session or a guest's free camera) of each live session
 -- Returns {"beat", {sessions to end, because they were ended or placed on another worker}, {sessions to restore, because
 -- Redis has lost them}}, or {"name_taken", address of another live worker}.
 local worker_key, entries = keys.worker(ARGV[1]), keys.worker_sessions(ARGV[1])
@@ -21,7 +21,7 @@ local visitors = 0
 local moved = {}
 local unknown = {}
 local listed = {}
-for i = 11, #ARGV, 3 do
+for i = 12, #ARGV, 3 do
   local id, placement, is_visitor = ARGV[i], ARGV[i + 1], ARGV[i + 2] == '1'
   local key = keys.session(id)
   local there = redis.call('HMGET', key, 'worker', 'placement')
@@ -62,6 +62,6 @@ for id in pairs(listed) do live[#live + 1] = id end
 redis.call('SADD', keys.workers, ARGV[1])
 redis.call('HSET', worker_key, 'incarnation', ARGV[2], 'address', ARGV[3], 'engine', ARGV[4],
   'device', ARGV[5], 'slots', ARGV[6], 'draining', ARGV[7], 'load', ARGV[8], 'expected', ARGV[9],
-  'volumes', ARGV[10], 'epoch', kProtocolEpoch, 'sessions', #live, 'visitors', visitors, 'used', redis.call('ZCARD', entries), 'live', table.concat(live, ','))
+  'volumes', ARGV[10], 'node', ARGV[11], 'epoch', kProtocolEpoch, 'sessions', #live, 'visitors', visitors, 'used', redis.call('ZCARD', entries), 'live', table.concat(live, ','))
 redis.call('PEXPIRE', worker_key, kHeartbeatMs)
 return {'beat', moved, unknown}

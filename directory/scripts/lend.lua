@@ -2,8 +2,9 @@
 -- (docs/contracts.md, Redis).
 -- ARGV: 1 worker id, 2 incarnation, 3 demand of its own sessions, 4 lent capacity (empty: none), 5 its fleet (empty:
 --       none), 6 number of random peers to consider, then the ids of its helpers
--- Returns {{id, address, demand, lent capacity, ms since its heartbeat, draining, volumes}, ...} of live workers.
-local kFields = {'address', 'load', 'asked', 'lent', 'draining', 'volumes', 'owner', 'epoch'}
+-- Returns {{id, address, demand, lent capacity, ms since its heartbeat, draining, volumes, node},
+-- ...} of live workers.
+local kFields = {'address', 'load', 'asked', 'lent', 'draining', 'volumes', 'owner', 'epoch', 'node'}
 
 if redis.call('HGET', keys.worker(ARGV[1]), 'incarnation') == ARGV[2] then
   if ARGV[4] == '' then
@@ -26,7 +27,7 @@ local function consider(id)
   -- Without lent capacity, the whole load is the worker's own demand.
   local asked, lent = w[2], '0'
   if w[4] then asked, lent = w[3], w[4] end
-  found[#found + 1] = {id, w[1], asked or '1', lent, tostring(math.max(0, kHeartbeatMs - lives)), w[5] or '1', w[6] or ''}
+  found[#found + 1] = {id, w[1], asked or '1', lent, tostring(math.max(0, kHeartbeatMs - lives)), w[5] or '1', w[6] or '', w[9] or ''}
 end
 
 for i = 7, #ARGV do consider(ARGV[i]) end

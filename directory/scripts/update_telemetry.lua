@@ -1,6 +1,6 @@
 -- Runs after each heartbeat of a worker that the operator created: stores its telemetry and returns the operator's orders
 -- (docs/contracts.md, Redis).
--- ARGV: 1 worker id, 2 incarnation, 3 owner, 4 used device memory (0 to 1), 5 sum of the errors of all its pictures
+-- ARGV: 1 worker id, 2 incarnation, 3 owner, 4 used memory for volumes (0 to 1), 5 sum of the errors of all its pictures
 -- Returns -1 if the worker continues. Otherwise, it drains, and this many sessions currently fit on other workers.
 local worker_key = keys.worker(ARGV[1])
 local before = redis.call('HMGET', worker_key, 'incarnation', 'used', 'idle_since', 'live')

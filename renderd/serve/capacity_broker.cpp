@@ -14,8 +14,6 @@ constexpr std::chrono::seconds kRefusalLasts{30};
 /// A device that is busy for this share of the time counts as full.
 constexpr double kFull = 0.95;
 
-std::string host_of(const std::string& address) { return address.substr(0, address.rfind(':')); }
-
 std::string fleet_of(const std::string& owner) {
   const auto end = owner.find('/');
   return end == std::string::npos ? "" : owner.substr(0, end);
@@ -28,6 +26,17 @@ bool has_any(const std::vector<std::string>& listed, const std::vector<std::stri
 }
 
 }  // namespace
+
+directory::PeerLoad load_of(const directory::Peer& peer, const std::string& node,
+                            const std::vector<std::string>& volumes) {
+  return {.id = peer.id,
+          .load = peer.load,
+          .lent = peer.lent,
+          .age = peer.age_s,
+          .same_node = !peer.node.empty() && peer.node == node,
+          .has_volume = has_any(peer.volumes, volumes),
+          .draining = peer.draining};
+}
 
 CapacityBroker::CapacityBroker(Options options, directory::Client& redis, GrpcAssistants* helpers)
     : options_(std::move(options)),
@@ -97,13 +106,7 @@ std::vector<directory::PeerLoad> CapacityBroker::observed_peers(const Use& use) 
   std::vector<PeerLoad> found;
   for (const directory::Peer& peer : *peers) {
     if (avoided_.contains(peer.id)) continue;
-    found.push_back({.id = peer.id,
-                     .load = peer.load,
-                     .lent = peer.lent,
-                     .age = peer.age_s,
-                     .same_node = host_of(peer.address) == host_of(options_.address),
-                     .has_volume = has_any(peer.volumes, ours),
-                     .draining = peer.draining});
+    found.push_back(load_of(peer, options_.node, ours));
     addresses_[peer.id] = peer.address;
   }
   return found;

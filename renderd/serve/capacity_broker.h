@@ -16,6 +16,10 @@
 
 namespace diaphane::render {
 
+/// Describes a peer to a worker on `node` whose sessions view `volumes`.
+directory::PeerLoad load_of(const directory::Peer& peer, const std::string& node,
+                            const std::vector<std::string>& volumes);
+
 /// Borrows capacity from peers while this worker's sessions need more than its device, and reports
 /// to them the capacity it lends (docs/adr/0033). directory/lending.h chooses the peers. Has its
 /// own thread, and uses Redis only while something is borrowed, lent or needed.
@@ -29,6 +33,7 @@ class CapacityBroker {
     std::string worker_id;
     std::string incarnation;
     std::string address;  ///< address at which peers reach this worker
+    std::string node;     ///< as in directory::Heartbeat
     std::string owner;    ///< only workers of the same fleet help each other
     directory::LendingRules rules;
     std::chrono::milliseconds period{1000};

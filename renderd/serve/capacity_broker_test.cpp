@@ -31,6 +31,7 @@ struct CapacityBrokerTest : testing::Test {
     options.incarnation = "now";
     options.address = "us.test:1";
     options.owner = owner;
+    options.node = "node-1";
     options.period = 20ms;
     options.rules.most = 2;
     options.rules.rest = rest;
@@ -180,6 +181,21 @@ TEST_F(CapacityBrokerTest, SendsNothingToRedisWithoutNeed) {
   EXPECT_TRUE(eventually([&] {
     return redis.ask({"INFO", "commandstats"}).front().find("cmdstat_evalsha") != std::string::npos;
   }));
+}
+
+TEST(LoadOfPeer, TellsWhatMakesAPeerAGoodHelper) {
+  directory::Peer peer{.id = "a", .load = 0.25, .lent = 0.5, .age_s = 1.5};
+  peer.volumes = {"v1", "v2"};
+  peer.node = "node-1";
+  const auto near = load_of(peer, "node-1", {"v2"});
+  EXPECT_TRUE(near.same_node && near.has_volume && !near.draining);
+  EXPECT_EQ(near.id, "a");
+  EXPECT_EQ(near.load + near.lent, 0.75);
+  EXPECT_EQ(near.age, 1.5);
+  const auto far = load_of(peer, "node-2", {"v3"});
+  EXPECT_FALSE(far.same_node || far.has_volume);
+  peer.node = "";  // an older worker
+  EXPECT_FALSE(load_of(peer, "", {}).same_node);
 }
 
 }  // namespace

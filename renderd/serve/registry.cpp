@@ -129,6 +129,7 @@ bool Registry::heartbeat() {
   beat.address = options_.address;
   beat.engine = options_.engine;
   beat.device = options_.device;
+  beat.node = options_.node;
   beat.slots = host_.slots();
   beat.draining = draining;
   beat.load = load.busy;

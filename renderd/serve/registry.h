@@ -27,13 +27,14 @@ class Registry {
     std::string address;      ///< address at which the gateway reaches this worker
     std::string engine;
     std::string device;
+    std::string node;                                   ///< as in directory::Heartbeat
     std::function<double()> busy_seconds;               ///< since the start, for the load
     std::function<std::vector<std::string>()> volumes;  ///< loaded volumes
     /// Called once, from the registry's thread, when another live worker has used this name for
     /// longer than a dead worker stays registered.
     std::function<void(const std::string& address)> name_taken;
     std::string owner;               ///< owner of this worker for an operator; empty: none
-    std::function<double()> memory;  ///< share of the device's memory, 0 to 1
+    std::function<double()> memory;  ///< used share of the memory for loaded volumes, 0 to 1
     std::function<double()> error;   ///< summed over all pictures
     /// Called every second, from the registry's thread, while an operator wants this worker to
     /// drain. `room` sessions can move elsewhere.

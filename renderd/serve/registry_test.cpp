@@ -23,7 +23,7 @@ struct RegistryTest : testing::Test {
                                      const std::string& address = "127.0.0.1:8085",
                                      std::function<void(const std::string&)> name_taken = {}) {
     return std::make_unique<Registry>(
-        Registry::Options{"w1", incarnation, address, "fake", "a test",
+        Registry::Options{"w1", incarnation, address, "fake", "a test", "node-1",
                           [this] { return worker->homes().busy_seconds(); },
                           [this] { return worker->volumes().loaded(); }, std::move(name_taken)},
         redis.client(), worker->host(), metrics);
@@ -77,6 +77,7 @@ TEST_F(RegistryTest, RegistersAndDeregisters) {
   EXPECT_EQ(redis.field("diaphane:worker:w1", "draining"), "0");
   EXPECT_EQ(redis.field("diaphane:worker:w1", "epoch"), "1");
   EXPECT_EQ(redis.ask({"SMEMBERS", "diaphane:workers"}), std::vector<std::string>{"w1"});
+  EXPECT_EQ(redis.ask({"HMGET", "diaphane:worker:w1", "node"}), std::vector<std::string>{"node-1"});
   const std::int64_t lives = redis.number({"PTTL", "diaphane:worker:w1"});
   EXPECT_GT(lives, 1500);
   EXPECT_LE(lives, 3000);

@@ -104,7 +104,7 @@ class Beats:
         draining = "1" if uid in self.told else "0"
         sessions = [word for one in live for word in (one, "1", "0")]
         self.heartbeat(args=[name, uid, f"{uid}:1", "cpu", "test", env["DIAPHANE_SLOTS"], draining, str(0.1 * len(live)), str(0.1 * len(live)), "",
-                             *sessions])
+                             pod["spec"]["nodeName"], *sessions])
         room = self.report(args=[name, uid, owner, "0.1", "0.2"])
         if int(room) >= 0:
             self.told.setdefault(uid, time.monotonic())

@@ -65,7 +65,7 @@ class ManyBeats:
         return self
 
     def put(self, name: str, incarnation: str, owner: str = "", slots: int = 16) -> None:
-        words = _resp("EVALSHA", self.heartbeat, 0, name, incarnation, f"{name}:1", "cpu", "test", slots, "0", "0.1", "0.1", "")
+        words = _resp("EVALSHA", self.heartbeat, 0, name, incarnation, f"{name}:1", "cpu", "test", slots, "0", "0.1", "0.1", "", "")
         if owner:
             words += _resp("EVALSHA", self.report, 0, name, incarnation, owner, "0.1", "0.2")
         self.words[name] = words
