@@ -138,13 +138,24 @@ Complaint check_shape(const diaphane::v1::Light& light, const std::string& field
   return complain(field, "needs a shape");
 }
 
+double brightest_of(const diaphane::v1::Rgb& c) { return std::max({c.r(), c.g(), c.b()}); }
+
 double brightest_of(const diaphane::v1::Light& light) {
-  const diaphane::v1::Rgb& c = light.has_rectangle() ? light.rectangle().radiance()
-                               : light.has_disk()    ? light.disk().radiance()
-                               : light.has_sphere()  ? light.sphere().radiance()
-                               : light.has_box()     ? light.box().radiance()
-                                                     : light.environment().radiance();
-  return std::max({c.r(), c.g(), c.b()});
+  switch (light.shape_case()) {
+    case diaphane::v1::Light::kRectangle:
+      return brightest_of(light.rectangle().radiance());
+    case diaphane::v1::Light::kEnvironment:
+      return brightest_of(light.environment().radiance());
+    case diaphane::v1::Light::kDisk:
+      return brightest_of(light.disk().radiance());
+    case diaphane::v1::Light::kSphere:
+      return brightest_of(light.sphere().radiance());
+    case diaphane::v1::Light::kBox:
+      return brightest_of(light.box().radiance());
+    case diaphane::v1::Light::SHAPE_NOT_SET:
+      break;
+  }
+  return 0;
 }
 
 Complaint check(const diaphane::v1::Light& light, const std::string& field,

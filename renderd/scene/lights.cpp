@@ -169,9 +169,11 @@ Shaped shaped(const diaphane::v1::Light& light, const Placement& place) {
               {sphere_of(light.sphere(), place)}};
     case diaphane::v1::Light::kBox:
       return {appearance_of(light.box(), light.intensity()), ".box", box_of(light.box(), place)};
-    default:
-      return {appearance_of(light.environment(), light.intensity()), ".environment", {}};
+    case diaphane::v1::Light::kEnvironment:
+    case diaphane::v1::Light::SHAPE_NOT_SET:
+      break;
   }
+  return {appearance_of(light.environment(), light.intensity()), ".environment", {}};
 }
 
 double sum(Double3 c) { return c.x + c.y + c.z; }
@@ -312,8 +314,11 @@ std::vector<TextureFile> texture_files(const diaphane::v1::Scene& scene) {
       case diaphane::v1::Light::kBox:
         add(light.box(), ".box");
         break;
-      default:
+      case diaphane::v1::Light::kEnvironment:
         add(light.environment(), ".environment");
+        break;
+      case diaphane::v1::Light::SHAPE_NOT_SET:
+        break;
     }
   }
   return files;
