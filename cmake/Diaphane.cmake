@@ -96,7 +96,7 @@ endfunction()
 # Test programs that use several threads (./diaphane races). All others test pure functions.
 set(DIAPHANE_MULTI_THREADED common_service_test directory_test api_stream_test render_thread_pool_test render_composite_test
   render_schedule_test render_session_test render_encode_test render_serve_test render_grpc_test operator_kube_test
-  operator_objects_test)
+  operator_objects_test operator_observe_test)
 # Those that link gRPC, which is compiled without the sanitizer. `ignore_noninstrumented_modules` ignores its threads. It also
 # hides every lock-order inversion (two were found in render_serve_test), so the other programs run without it.
 set(DIAPHANE_WITH_GRPC api_stream_test render_grpc_test)

@@ -19,8 +19,8 @@ inline constexpr const char* kGpu = "nvidia.com/gpu";
 inline constexpr const char* kContainer = "renderd";
 
 /// Identifies the owner of a worker in Redis: its fleet, the uid of its RenderWorker, and the epoch
-/// of its pod ("skull/7f.../3"). renderd sends this text with each heartbeat and does not interpret
-/// it.
+/// of its pod ("skull/7f.../3"). renderd sends this text after each heartbeat. Only workers of the
+/// same fleet help each other.
 inline std::string owner_text(const std::string& fleet, const std::string& uid, long long epoch) {
   return fleet + "/" + uid + "/" + std::to_string(epoch);
 }

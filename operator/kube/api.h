@@ -15,11 +15,12 @@ struct Precondition {
   std::string version;  ///< empty: any
 };
 
-/// Verbs of the Kubernetes API on JSON. Errors have the API's reason ("AlreadyExists", "Conflict",
-/// "Forbidden", ...) as their `field`.
+/// The verbs of the Kubernetes API, with objects as JSON. The `field` of an error is the reason
+/// that the API gave ("AlreadyExists", "Conflict", "Forbidden", ...).
 ///
-/// kConflict: AlreadyExists, or the object has changed. kNotFound. kForbidden. kInvalid: the object
-/// was rejected. kTooMany and kUnavailable: try again later. Thread-safe.
+/// kConflict: the object already exists, or it has changed. kNotFound: it does not exist.
+/// kUnauthenticated and kForbidden: the operator may not do this. kInvalid and kTooLarge: the
+/// object was rejected. kTooMany and kUnavailable: try again later. Thread-safe.
 class Api {
  public:
   using Json = nlohmann::json;

@@ -174,7 +174,7 @@ struct Telemetry {
   std::int64_t epoch = 0;  ///< of the pod
   Seconds sampled = 0;
   double busy = 0;    ///< share of the device's time, 0 to 1
-  double memory = 0;  ///< share of the device's memory, 0 to 1
+  double memory = 0;  ///< used share of the memory for loaded volumes, 0 to 1
   int sessions = 0;
   int reserved = 0;  ///< slots assigned to viewers that have not connected yet
   int slots = 0;
