@@ -17,8 +17,8 @@ struct SliceImage {
   const float* row(int y) const { return values.data() + static_cast<std::size_t>(y) * width; }
 };
 
-/// Returns the value at column x and row y, interpolated between the four pixels around it. Beyond
-/// the border, the pixels of the border continue.
+/// Returns the value at column x and row y by bilinear interpolation. Positions outside the image
+/// are clamped to its border.
 inline float sample(const SliceImage& plane, float x, float y) {
   const float most_x = static_cast<float>(plane.width - 1);
   const float most_y = static_cast<float>(plane.height - 1);

@@ -23,8 +23,8 @@ bool is_email(std::string_view text);
 /// Returns the address in lower case. Two addresses with equal keys belong to the same account.
 std::string email_key(std::string_view email);
 
-/// What one hash costs to compute, and so to guess. The default is that of the OWASP password
-/// storage cheat sheet of 2023.
+/// The cost of computing one hash, and therefore of each guess at a password. The default is that
+/// of the OWASP password storage cheat sheet of 2023.
 struct PasswordCost {
   std::uint32_t memory_kib = 19 * 1024;
   std::uint32_t passes = 2;

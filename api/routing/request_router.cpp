@@ -73,7 +73,7 @@ PathMatch match_routes(const std::vector<Route>& routes, const std::string& meth
     if (!parameters) continue;
     match.allow(route.method);
     if (route.method == "GET") match.allow("HEAD");
-    // HEAD is answered as GET, without the body, where it has no route of its own.
+    // A HEAD request also matches a GET route; finish() drops the body. The first match wins.
     const bool fits = route.method == method || (method == "HEAD" && route.method == "GET");
     if (!fits || match.route) continue;
     match.route = &route;

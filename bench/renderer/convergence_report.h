@@ -6,7 +6,7 @@
 
 namespace diaphane::render::bench {
 
-/// Information for the tables besides the figures.
+/// What a report states besides the measured curves: the setup and the parameters of its summary.
 struct ReportHead {
   EngineInfo engine;
   std::string volume, scene;  ///< names for display

@@ -21,7 +21,7 @@ struct LabelImage {
   std::vector<std::uint8_t> voxels;  ///< as in LabelSet
 };
 
-/// The field of errors that say that labels belong to another scan.
+/// Error::field of an error which says that the labels belong to another scan.
 inline constexpr const char* kOtherScan = "scan";
 
 /// Says why labels do not belong to a scan: kInvalid if both name their frame of reference and the

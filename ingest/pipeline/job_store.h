@@ -19,7 +19,8 @@ struct CutOrder {
   std::string result;
 };
 
-/// A claimed job: one upload to build into a volume, or one volume to cut.
+/// A claimed job: an upload to build into a volume, an uploaded file of labels for a scan, or a
+/// volume to cut.
 struct Job {
   std::string data_set_id;  ///< also the name of the volume's directory
   std::string upload_id;    ///< the file <upload-dir>/<upload_id>.tar

@@ -82,8 +82,8 @@ HOST_DEVICE Steering steering_of(const Guides& g, bool takes_part) {
   return s;
 }
 
-/// Steering data in 16 bytes of half floats. A pixel that takes no part has a negative opacity.
-/// Both engines steer by the packed numbers.
+/// Steering data as half floats, in 16 bytes. A negative opacity marks a pixel that contributes
+/// nothing to other pixels. Both engines filter with the packed values, so that they round alike.
 struct alignas(16) PackedSteering {
   std::uint32_t pairs[4];
 };

@@ -45,7 +45,8 @@ HOST_DEVICE ValueSpan LinearVolume::corner_range(Int3 cell) const {
   return {static_cast<float>(low), static_cast<float>(high)};
 }
 
-/// The voxels below and above a cell along one axis. A cell may lie one beyond the last voxel.
+/// Indices of the voxels at the two ends of a cell along one axis, clamped to the volume. Rounding
+/// may take a ray one cell beyond the last one, which is cell `size`.
 struct CellEnds {
   std::int32_t low, high;
 

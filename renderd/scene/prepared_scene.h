@@ -78,7 +78,8 @@ inline const std::vector<CellBounds>& bounds_of(const PreparedScene& scene) {
 /// extinction of labels, which jumps between the centres of voxels.
 bool use_exact_walk(const PreparedScene& scene, Method method);
 
-/// The pointers are an executor's copies of ExactTables.
+/// Returns the view of the exact walk's tables. `pieces`, `piece_of` and `skips` point to the
+/// vectors of ExactTables or to an executor's copies of them.
 inline ExactView exact_view_of(const PreparedScene& scene, const ValueGrid& grid, Int3 size,
                                const ExtinctionPiece* pieces, const std::uint16_t* piece_of,
                                const std::uint8_t* skips) {

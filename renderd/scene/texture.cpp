@@ -126,7 +126,7 @@ Result<TexturePicture> decode_jpeg(std::string_view) { return left_out("JPEG"); 
 
 Result<TextureSize> texture_size(std::string_view file) {
   if (file.size() > kMostTextureBytes) {
-    return fail(ErrorCode::kInvalid, "must be a file of at most 8 MB");
+    return fail(ErrorCode::kInvalid, "must be a file of at most 8 MiB");
   }
   if (file.starts_with(kPngHead)) return png_size(file);
   if (file.starts_with(kJpegHead)) return jpeg_size(file);

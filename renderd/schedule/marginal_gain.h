@@ -8,10 +8,11 @@ namespace diaphane::render {
 /// costs (ADR 0012). It is stateless: the same views always get the same answer.
 ///
 /// 1. Sessions that are due come first, in the order of their deadlines. A first frame is due
-///    `deadline_seconds` after the oldest input that it answers, and later by the device time that
-///    its session's first frames took lately, so that light users come before heavy ones. A session
-///    that gains is due `patience_seconds` after its last quantum. A missed deadline is not moved,
-///    so it precedes all later ones and no session starves at any load.
+///    `deadline_seconds` after the oldest input that it answers, plus the device time that its
+///    session's first frames took recently, so that light users come before heavy ones. It has no
+///    deadline while its viewer accepts no frame. Any session that gains is due
+///    `patience_seconds` after its last quantum. A missed deadline is not moved, so it precedes
+///    all later ones and no session starves at any load.
 /// 2. Otherwise the session whose next quantum removes the most error per second is chosen. This
 ///    rate is multiplied by the time for which the picture is expected to stay, because the next
 ///    input of a drag discards everything rendered since the last one.
@@ -21,10 +22,9 @@ namespace diaphane::render {
 ///    need goes to the others (max-min fairness). So expensive drags get fewer frames, and cheap
 ///    drags still meet their deadlines.
 ///
-/// It returns one quantum at a time; the runner asks again until the device is full. A session
-/// whose viewer accepts no frame has no deadline. The constants were chosen in the simulator
-/// (`./diaphane bench schedule`). Those for drags minimise the time until all of 64 sessions have a
-/// good picture.
+/// It returns one quantum at a time; the runner asks again until the device is full. The constants
+/// were chosen in the simulator (`./diaphane bench schedule`). Those for drags minimise the time
+/// until all 64 sessions have a good picture.
 class MarginalGain final : public Policy {
  public:
   struct Options {

@@ -55,8 +55,8 @@ void LiveSession::carry_out(const effect::OpenCamera& effect) {
   const Turn turn(*this);
   if (made) {
     camera_sessions_.emplace(opened.session, *made);
-    // Whoever takes a slot away ends the session before they ask this one to let go of it, so that
-    // either this or take_camera_back() notices.
+    // SessionHost::end_evicted() ends the camera's session before it calls take_camera_back(). So
+    // either this check or that call notices that the slot has gone to another session.
     opened.withdrawn = (*made)->ended_;
     opened.gone = ended_ || !links_.contains(effect.connection);
   }

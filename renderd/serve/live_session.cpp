@@ -173,14 +173,14 @@ std::shared_ptr<const v1::Scene> LiveSession::first_look() const {
 
 void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
   v1::ClientMessage message;
-  if (message.ParseFromString(bytes)) return take(connection, message);
+  if (message.ParseFromString(bytes)) return dispatch(connection, message);
   const Turn turn(*this);
   if (!links_.contains(connection)) return;
   finish_link(connection, {ErrorCode::kInvalid, "The page sent an invalid message.", {}}, true);
   leave(connection);
 }
 
-void LiveSession::take(std::uint64_t connection, const v1::ClientMessage& message) {
+void LiveSession::dispatch(std::uint64_t connection, const v1::ClientMessage& message) {
   const Turn turn(*this);
   if (!links_.contains(connection)) return;
   if (auto refused = refused_request(state_, connection, message)) {

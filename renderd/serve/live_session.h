@@ -113,7 +113,7 @@ struct SessionParts {
 /// session's lock is held, and the host may call a session under its own lock. Only messages to
 /// viewers are sent under the lock, because a ClientLink neither blocks nor calls back, and so each
 /// viewer receives them in the order of the turns. A strand would not do, because the runner and
-/// the encoders need answers at once (RenderClient::wanted, FrameSink::admit).
+/// the encoders need answers at once (RenderClient::requested, FrameSink::admit).
 class LiveSession final : public std::enable_shared_from_this<LiveSession> {
  public:
   struct Start {
@@ -251,7 +251,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::shared_ptr<const diaphane::v1::Scene> first_look() const;
 
   // Must be called without the lock.
-  void take(std::uint64_t connection, const diaphane::v1::ClientMessage& message);
+  void dispatch(std::uint64_t connection, const diaphane::v1::ClientMessage& message);
   /// Stops sending. The session keeps running until dismissed.
   void silence();
   /// Applies the presenter's settings (sessions for a free camera only), unless newer ones are

@@ -57,7 +57,7 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame dat
     }
   }
   send_tiles();
-  parts_.home->runner.wake();  // the slot is free again
+  parts_.home->runner.wake();  // the encoder has room again
 }
 
 void LiveSession::keep_if_last(RenderedPicture& picture) {

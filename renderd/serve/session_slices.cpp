@@ -19,7 +19,7 @@ Result<std::vector<std::int16_t>> read_slice(const volume::Volume& volume,
 }  // namespace
 
 void LiveSession::carry_out(const effect::LoadVoxels&) {
-  // Posted, because the cache may look into the store.
+  // Posted, because the cache may read from the store.
   parts_.slices.pool.post(EncodePool::Urgency::kNow, [weak = weak_from_this()] {
     const auto session = weak.lock();
     if (!session) return;

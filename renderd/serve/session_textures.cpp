@@ -1,5 +1,5 @@
-// Decodes textures of a scene in a separate thread before the runner receives the scene, because
-// the runner's thread renders the pictures of all sessions.
+// Decodes textures of a scene in a separate thread before the runner receives the scene, because a
+// lane that waited for them would render nothing for other sessions.
 #include "renderd/scene/texture_store.h"
 #include "renderd/serve/session_turn.h"
 

@@ -14,9 +14,9 @@
 #include "renderd/session/slice_request_queue.h"
 #include "renderd/session/view_request.h"
 
-// What the rules of a session ask for. The rules are machines of one shape: `handle(event, state,
-// now)` changes plain data and returns effects. They lock nothing and call nobody. LiveSession
-// carries the effects out.
+// What the rules of a session ask for. Most are functions of one shape: `handle(event, state, now)`
+// changes plain data and returns effects. Those in state.h return an Outcome instead. They lock
+// nothing and call nobody. LiveSession carries the effects out.
 
 namespace diaphane::render {
 

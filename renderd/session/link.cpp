@@ -15,8 +15,8 @@ constexpr double kLongestBusy = 10;  // seconds, for example after the machine w
 // The second one matters to a slow device, whose pictures are seconds apart.
 constexpr double kGrowth = 1.04;
 constexpr double kGrowthPerEmptySecond = 2.5;
-// Bytes per second, if the first acknowledgement suggests less: it also waits until the viewer's
-// decoder has started.
+// Bytes per second: the lower bound of the first estimate. The first acknowledgement also waits
+// until the viewer's decoder has started, which makes the link look slower than it is.
 constexpr double kAssumed = 250e3;
 constexpr double kLateSeconds = 0.015;  // a longer delay means that data queues in the pipe
 constexpr double kOverdueSeconds = 0.05;

@@ -14,7 +14,8 @@
 
 namespace diaphane::render {
 
-/// The complete state of one session as plain data. The functions below are its only rules. They
+/// The complete state of one session as plain data. Its rules are the functions below, and those
+/// of pictures.h for what was sent. They
 /// take the time as an argument, lock nothing and send nothing, but return what is to be done.
 struct SessionState {
   std::string id;

@@ -54,8 +54,8 @@ struct RenderedPicture {
   PictureRgb8 picture;
 };
 
-/// A viewer as the runner sees it. Called by one of the runner's threads at a time. Must not block
-/// for long.
+/// A session, whatever the number of its viewers, as the runner sees it. Called by one of the
+/// runner's threads at a time. Must not block for long.
 class RenderClient {
  public:
   virtual ~RenderClient() = default;

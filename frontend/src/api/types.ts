@@ -16,7 +16,7 @@ export interface Me {
     readonly quota_ms: number;
     readonly used_ms: number;
     readonly renewed_at: string;
-    /** The time at which open pictures end, because no rendering time is left. */
+    /** When open pictures close because no rendering time is left. Null: no end is scheduled. */
     readonly pictures_end_at: string | null;
   };
 }

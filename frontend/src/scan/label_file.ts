@@ -118,7 +118,7 @@ function dicomParts(bytes: Uint8Array<ArrayBuffer>): BlobPart[] {
   return [...fileHead(sopClass), ...elementsOf(data)];
 }
 
-/** The preamble and group 2, which is always explicit. */
+/** Returns the preamble and the file meta information (group 2), always in explicit VR. */
 function fileHead(sopClass: string): Uint8Array<ArrayBuffer>[] {
   const preamble = new Uint8Array(132);
   preamble.set([0x44, 0x49, 0x43, 0x4d], 128);

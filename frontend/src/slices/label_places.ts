@@ -47,7 +47,7 @@ export function labelPlaces(labels: readonly Label[], area: Area): readonly Labe
   });
 }
 
-/** On the right, on the left, above and below. */
+/** Returns the boxes to try for a label, in order of preference: right, left, above, below. */
 function candidates({ lines, beside }: Label): readonly Box[] {
   const width = characterWidth * Math.max(0, ...lines.map((line) => line.length));
   const height = lineHeight * lines.length;

@@ -5,8 +5,8 @@
 
 // The data that the kernels of the exact walk pass to each other. A launch processes a number of
 // items; an item is one sample of one pixel. Kernel 1 walks the camera rays and records where they
-// collide, kernel 2 walks from there to the lights, and kernel 3 sums each item and adds it to the
-// film.
+// collide. Kernel 2 walks from there to the lights. With Feature::kBounces, the indirect kernel
+// then continues paths from collisions. Kernel 3 sums each item and adds it to the film.
 
 namespace diaphane::render::cuda {
 

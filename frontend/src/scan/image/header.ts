@@ -28,7 +28,7 @@ export interface ImageHeader {
   readonly axes: readonly [Triple, Triple, Triple] | null;
   /** Centre of the first voxel in mm in the patient's space (LPS). Null if the file does not say. */
   readonly origin: Triple | null;
-  /** In mm, for a file without axes. */
+  /** Distances between voxel centres along each axis in mm. Used only if `axes` is null. */
   readonly spacing: Triple;
   readonly slope: number;
   readonly intercept: number;

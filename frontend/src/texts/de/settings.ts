@@ -196,7 +196,7 @@ export const settings: Texts["settings"] = {
     automaticNow: (stops: number) =>
       `Das Bild wäre zu ${stops > 0 ? "dunkel" : "hell"} und ist deshalb ${fixed(Math.abs(stops), 1)} EV ${stops > 0 ? "heller" : "dunkler"} als eingestellt.`,
     automaticWithSlices: "Solange das Bild Schichten zeigt, wird die Belichtung nicht angepasst.",
-    filmic: "Lichter wie auf Film",
+    filmic: "Helle Stellen wie auf Film",
     stops: "EV",
     fov: "Bildwinkel",
     projection: "Projektion",

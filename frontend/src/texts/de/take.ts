@@ -86,7 +86,7 @@ export const take: Texts["take"] = {
       : `Es dauert ${between(time.least, time.most)}, und länger, solange jemand ein Bild dreht. Während der Berechnung sehen Sie, wie lange es noch dauert.`,
   framesDone: (done, all, left) => `${done} von ${all}, ${scans.upload.left(left)}`,
   wrongSeconds: (most) => `Geben Sie eine ganze Zahl von 1 bis ${most} Sekunden ein.`,
-  views: "Ansichten, in dieser Reihenfolge",
+  views: "Ansichten in dieser Reihenfolge",
   viewNow: "Aktuelle Ansicht",
   noViews:
     "Für diese Aufnahme sind noch keine Voreinstellungen gespeichert. Speichern Sie einige mit dem Stern oben, eine für jede Ansicht, die in der Tour vorkommen soll.",
