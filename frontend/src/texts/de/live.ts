@@ -6,6 +6,7 @@ export const live: Texts["live"] = {
   title: "Gemeinsam ansehen",
   lead: "Wer den Link hat, sieht dieses Bild so, wie Sie es drehen, und sieht, wer sonst noch da ist. Alle können es auch selbst drehen. Was Sie weggeschnitten haben, ist nicht zu sehen, und auch keine andere Ihrer Aufnahmen. Ein Konto ist nicht nötig. Der Link gilt 12 Stunden oder bis Sie ihn deaktivieren.",
   guestLead: "Sie sehen das Bild so, wie es gerade präsentiert wird.",
+  presenterLead: "Alle hier sehen das Bild so, wie Sie es drehen.",
   makeLink: "Link erstellen",
   link: "Link zum Weitergeben",
   copy: "Kopieren",

@@ -5,6 +5,7 @@ export const live = {
   title: "View together",
   lead: "Anyone with the link sees this picture as you turn it, and sees who else is here. They can also turn it themselves. They can’t see what you have cut away, or any other scan of yours. They don’t need an account. The link works for 12 hours, or until you disable it.",
   guestLead: "You see the picture as the presenter turns it.",
+  presenterLead: "Everyone here sees the picture as you turn it.",
   makeLink: "Create link",
   link: "Link to share",
   copy: "Copy",
