@@ -32,6 +32,8 @@ export const live: Texts["live"] = {
   takingBack: "Einen Moment …",
   presents: (name) => `${name} präsentiert`,
   presenterAway: "Gerade präsentiert niemand.",
+  turnIt: "Drehen Sie es selbst in Ihrer eigenen Ansicht.",
+  turnPhone: "Quer gehalten ist das Bild größer.",
   lookAround: "Sie können allein weitersehen.",
   raiseHand: "Hand heben",
   lowerHand: "Hand senken",

@@ -31,6 +31,8 @@ export const live = {
   takingBack: "One moment…",
   presents: (name: string) => `${name} is presenting`,
   presenterAway: "Nobody is presenting right now.",
+  turnIt: "Turn it yourself in your own view.",
+  turnPhone: "Turn your phone sideways for a larger picture.",
   lookAround: "You can continue in your own view.",
   raiseHand: "Raise your hand",
   lowerHand: "Lower your hand",
