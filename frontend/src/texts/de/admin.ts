@@ -19,7 +19,7 @@ export const admin: Texts["admin"] = {
   disabled: "gesperrt",
   administrator: "Administratorrechte",
   active: "aktiv",
-  never: "nicht angemeldet",
+  never: "abgemeldet",
   change: "Bearbeiten",
   changeOf: (email) => `${email} bearbeiten`,
   quotaGb: "Speicherplatz (GB)",

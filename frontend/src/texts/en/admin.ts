@@ -18,7 +18,7 @@ export const admin = {
   disabled: "disabled",
   administrator: "administrator",
   active: "active",
-  never: "not signed in",
+  never: "signed out",
   change: "Edit",
   changeOf: (email: string) => `Edit ${email}`,
   quotaGb: "Storage (GB)",
