@@ -284,7 +284,7 @@ export class Slices {
 
   /** Guests are not told the range of a scan's values, so they begin with the presenter's window. */
   private beginWith(window: Window): void {
-    if (this.knowsRange || !this.available.value) return;
+    if (this.knowsRange || !this.available.value || window.width <= 0) return;
     const untouched = this.window.value.centre === this.first.centre && this.window.value.width === this.first.width;
     this.first = bounded(window);
     if (untouched) this.window.value = this.first;
