@@ -24,8 +24,8 @@ export const labels: Texts["labels"] = {
   privacy:
     "Gesendet werden nur die Strukturen mit ihren Namen und Farben. Name, Datumsangaben und Nummern der Patientin oder des Patienten werden vorher aus der Datei entfernt. Personen, mit denen Sie die Aufnahme teilen, sehen die Strukturen auch. Gäste, Personen mit einem Link und die Galerie erfahren die Namen nicht.",
   choose: "Datei auswählen",
-  replace: "Strukturen ersetzen",
-  remove: "Strukturen entfernen",
+  replace: "Ersetzen",
+  remove: "Entfernen",
   none: "Diese Aufnahme hat keine markierten Strukturen.",
   has: (labels, bytes) =>
     `In dieser Aufnahme ${labels === 1 ? "ist" : "sind"} ${count(labels, "Struktur", "Strukturen")} markiert (${bytes}).`,
