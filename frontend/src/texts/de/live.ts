@@ -28,7 +28,7 @@ export const live: Texts["live"] = {
   handOverHint:
     "Wer präsentiert, kann alles am Bild ändern. Was Sie weggeschnitten haben, bleibt weggeschnitten. Sie können jederzeit wieder selbst präsentieren.",
   letPresent: (name) => `Präsentation übergeben: ${name}`,
-  takeBack: "Wieder selbst präsentieren",
+  takeBack: "Selbst präsentieren",
   takingBack: "Einen Moment …",
   presents: (name) => `${name} präsentiert`,
   presenterAway: "Gerade präsentiert niemand.",
