@@ -198,6 +198,7 @@ def test_nothing_of_a_scan_stays_with_a_guest_after_the_end(visit, opened, pictu
     dialog.get_by_role("button", name="Disable link").click()
     expect(guest.get_by_role("heading", name="Your visit has ended")).to_be_visible()
     expect(guest.locator(".slice-pane, .live-line")).to_have_count(0)
+    expect(guest.locator(".stage > canvas")).to_be_hidden()
     guest.screenshot(path=pictures / "layout-guest-ended.png")
 
 

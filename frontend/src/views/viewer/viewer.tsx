@@ -82,6 +82,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       ref={page}
       data-slices={session?.slices.open.value ? session.slices.view.value : undefined}
       data-following={session?.slices.following.value ? "" : undefined}
+      data-visit={session?.connection.value.trouble === "link_ended" ? "over" : undefined}
     >
       <ViewerStage canvas={canvas} session={session} role={role} picture={picture} cutting={cutting} />
       <ViewerHeader {...common} title={title} visitor={visitor} cutting={cutting} obey={obey} open={setOpen} />
