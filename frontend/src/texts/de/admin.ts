@@ -94,6 +94,7 @@ export const admin: Texts["admin"] = {
   details: {
     account: "Konto",
     by: "über",
+    data_sets: "Aufnahmen",
     from: "von",
     items: "Einträge",
     link: "Link",
@@ -101,6 +102,7 @@ export const admin: Texts["admin"] = {
     permission: "Freigabe",
     slices: "Schichten",
     to: "auf",
+    voxels: "Voxel",
   },
   detailWords: {
     owner: "eigenes Konto",

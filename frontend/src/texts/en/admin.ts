@@ -92,6 +92,7 @@ export const admin = {
   details: {
     account: "account",
     by: "through",
+    data_sets: "scans",
     from: "from",
     items: "entries",
     link: "link",
@@ -99,6 +100,7 @@ export const admin = {
     permission: "share",
     slices: "slices",
     to: "to",
+    voxels: "voxels",
   } as Readonly<Record<string, string>>,
   detailWords: {
     owner: "the owner",
