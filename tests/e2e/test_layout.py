@@ -74,6 +74,8 @@ def test_slices_begin_right_below_their_bar_and_no_choice_is_clipped(locale: str
         page.screenshot(path=pictures / f"layout-slices-{locale}-{width}.png")
         bar, pane = (page.locator(name).first.bounding_box() for name in (".slice-bar", ".slice-pane"))
         assert 0 < pane["y"] - bar["y"] - bar["height"] <= 16, (width, bar, pane)
+        if width >= 1280:
+            assert bar["height"] < 60, "the choices take more than one line"
     page.set_viewport_size({"width": 1280, "height": 720})
     page.keyboard.press("v")
     for name in WINDOWS[locale[:2]]:
@@ -169,12 +171,65 @@ def test_a_guest_on_a_phone_reads_what_they_can_do(stack: TestStack, visit, open
     phone.goto(link)
     phone.get_by_role("button", name="Teilnehmen", exact=True).tap()
     words = phone.locator(".live-line p")
-    expect(words).to_have_text("Besitzer präsentiert")
+    # The presenter's window is wider than a phone.
+    expect(words).to_have_text("Besitzer präsentiertDrehen Sie es selbst in Ihrer eigenen Ansicht.Quer gehalten ist das Bild größer.")
+    phone.screenshot(path=pictures / "layout-guest.png")
     keeps_apart(phone)
+    title = phone.get_by_role("heading", name="Geteiltes Bild").bounding_box()
+    assert title["width"] > 60 and title["height"] > 15
     page.close()
     expect(words).to_have_text("Gerade präsentiert niemand. Sie können allein weitersehen.")
     phone.screenshot(path=pictures / "layout-guest-alone.png")
     keeps_apart(phone)
+
+
+def test_nothing_of_a_scan_stays_with_a_guest_after_the_end(visit, opened, pictures: Path):
+    page, _ = opened("en-GB", 1280, 720)
+    page.locator(".tool-share").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_role("button", name="Create link").click()
+    link = dialog.locator("input[readonly]").input_value()
+    dialog.get_by_role("checkbox", name="Guests can also see the slices").check()
+    guest = visit()
+    guest.goto(link)
+    guest.get_by_role("button", name="Join", exact=True).click()
+    guest.get_by_role("button", name="Show the slices (V)").click()
+    expect(guest.locator(".slice-pane")).to_have_count(3)
+    dialog.get_by_role("button", name="Disable link").click()
+    expect(guest.get_by_role("heading", name="Your visit has ended")).to_be_visible()
+    expect(guest.locator(".slice-pane, .live-line")).to_have_count(0)
+    expect(guest.locator(".stage > canvas")).to_be_hidden()
+    guest.screenshot(path=pictures / "layout-guest-ended.png")
+
+
+def test_german_pages_fit_small_windows(stack: TestStack, visit, pictures: Path):
+    page = visit(locale="de-DE")
+    page.set_viewport_size({"width": 1280, "height": 720})
+    for path, heading in (("/", "Sehen Sie"), ("/sign-up", "Konto erstellen")):
+        page.goto(stack.url + path)
+        expect(page.get_by_role("heading", name=heading)).to_be_visible()
+        page.screenshot(path=pictures / f"layout-de{path.replace('/', '-')}.png")
+        foot = page.locator(".foot").bounding_box()
+        assert foot["y"] + foot["height"] <= 720, path
+    phone = visit(phone=True, locale="de-DE")
+    phone.goto(stack.url)
+    expect(phone.get_by_role("heading", name="Sehen Sie")).to_be_visible()
+    phone.screenshot(path=pictures / "layout-de-phone.png")
+    assert phone.locator(".bar").bounding_box()["height"] < 70, "the links take more than one line"
+
+
+def test_the_audit_log_fits_the_window(stack: TestStack, visit, pictures: Path):
+    page = visit(wide=True)
+    boss = Person.arrives(stack, page, "somebody-with-a-rather-long-address")
+    boss.becomes_administrator()
+    stack.psql("INSERT INTO audit_log (happened_at, actor, actor_id, action, subject, details) SELECT now(), 'administrator', id,"
+               " 'account.storage-quota-changed', 'account', '{\"from\": 21500000000, \"to\": 40000000000, \"by\": \"link\","
+               " \"link\": \"3b1f8c52-0000-4000-8000-000000000000\", \"slices\": 1}' FROM users WHERE email = %s", boss.email)
+    page.goto(stack.url + "/admin/audit")
+    box = page.locator(".table-box")
+    expect(box.get_by_text("3b1f8c52").first).to_be_visible()
+    page.screenshot(path=pictures / "layout-audit.png")
+    assert box.evaluate("(box) => box.scrollWidth <= box.clientWidth")
 
 
 def keeps_apart(phone: Page) -> None:

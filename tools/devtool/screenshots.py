@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Iterator
 
-from . import build, chromium, install, page_crawler, paths, viewer_tour
+from . import build, chromium, install, page_crawler, paths, sample_labels, viewer_tour
 from .bench_client import Person, cranium
 from .bench_stack import running
 from .console import CliError, say
@@ -41,7 +41,8 @@ def run(out: Path, only: str, one_size: str | None = None, one_look: str | None 
 def guide() -> int:
     GUIDE.mkdir(parents=True, exist_ok=True)
     wanted = re.findall(r"\(guide/([\w-]+?)(-phone)?\.jpg\)", GUIDE.with_suffix(".md").read_text(encoding="utf-8"))
-    if unknown := {name for name, _ in wanted} - {step.name for step in viewer_tour.STEPS}:
+    known = viewer_tour.STEPS + viewer_tour.LABELLED_STEPS
+    if unknown := {name for name, _ in wanted} - {step.name for step in known}:
         raise CliError(f"docs/guide.md uses pictures that no step of viewer_tour.py makes: {', '.join(sorted(unknown))}")
     with _seen() as (browser, stack, person, shown):
         for size, window in GUIDE_SIZES.items():
@@ -51,6 +52,10 @@ def guide() -> int:
             for name in viewer_tour.walk(page, f"{stack.settings.url}/view/{shown}", only=steps):
                 page.screenshot(path=GUIDE / f"{name}{'-phone' if size == 'phone' else ''}.jpg", type="jpeg", quality=82)
             context.close()
+        sample_labels.add(stack, person, shown)
+        page = _context(browser, stack, person, GUIDE_SIZES["desk"], "light").new_page()
+        for name in viewer_tour.walk(page, f"{stack.settings.url}/view/{shown}", steps=viewer_tour.LABELLED_STEPS):
+            page.screenshot(path=GUIDE / f"{name}.jpg", type="jpeg", quality=82)
     say(f"Pictures saved to {GUIDE}")
     return 0
 

@@ -76,6 +76,11 @@ def _video(page) -> None:
     page.get_by_role("dialog").get_by_label("File type", exact=True).select_option("turntable")
 
 
+def _labels(page) -> None:
+    _bone_and("Labels")(page)
+    page.get_by_label("Show the structures in colour").check()
+
+
 STEPS = (
     Step("start", lambda page: None),
     Step("muscle", _look("muscle")),
@@ -94,11 +99,13 @@ STEPS = (
     Step("share", _press("View together")),
     Step("help", _press("Controls")),
 )
+#: Like STEPS, of a scan that has labels.
+LABELLED_STEPS = (Step("labels", _labels),)
 
 
-def walk(page, address: str, samples: int = SAMPLES, only: Sequence[str] | None = None) -> Iterator[str]:
+def walk(page, address: str, samples: int = SAMPLES, only: Sequence[str] | None = None, steps: Sequence[Step] = STEPS) -> Iterator[str]:
     """Yields the name of each step once it is visible."""
-    for step in STEPS:
+    for step in steps:
         if only is not None and step.name not in only:
             continue
         page.goto(address)

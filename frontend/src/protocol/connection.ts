@@ -67,6 +67,9 @@ export interface Step {
 
 export const firstState: ConnectionState = { phase: "idle", attempt: 0, wasLive: false, trouble: null };
 
+/** A visit has ended, or the rendering time is used up, so that there are no more pictures. */
+export const isOver = ({ trouble }: ConnectionState): boolean => trouble === "link_ended" || trouble === "time_spent";
+
 const stepLimitMs = 10_000;
 const waitsMs = [150, 300, 600, 1000, 1500, 2000];
 const longestWaitMs = 5000;

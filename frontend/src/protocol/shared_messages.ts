@@ -46,12 +46,12 @@ const encoded = (body: ClientMessage["body"]): Bytes =>
 const vector = (place: Vec3) => create(Vec3Schema, place);
 
 export function encodeSliceView(shown: PresentedSlices): Bytes {
-  if (shown.view === null) return encoded({ case: "sliceView", value: create(SliceViewSchema) });
+  const window = { windowCentre: shown.window.centre, windowWidth: shown.window.width };
+  if (shown.view === null) return encoded({ case: "sliceView", value: create(SliceViewSchema, window) });
   const value = create(SliceViewSchema, {
     ...layoutOf(shown.view),
+    ...window,
     crosshair: vector(shown.crosshair),
-    windowCentre: shown.window.centre,
-    windowWidth: shown.window.width,
     smooth: shown.smooth,
     overlay: shown.overlay,
     placings: planes.flatMap((plane) => {

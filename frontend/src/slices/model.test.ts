@@ -84,6 +84,34 @@ describe("the slices of a scan", () => {
     expect(other.measures.value).toEqual([]);
     expect(other.open.value).toBe(false);
   });
+  it("begin with the presenter's window where the range of the values is unknown", () => {
+    const presented = { ...begun().presented(), window: { centre: 103, width: 205 } };
+    const guest = (told: object) => {
+      const slices = new Slices(() => undefined);
+      slices.configured([axial, sagittal, coronal], {
+        ...header,
+        contentHash: "",
+        windowWidth: 0,
+        maximum: 3034,
+        ...told,
+      });
+      slices.allow("whole");
+      return slices;
+    };
+    const unknown = guest({});
+    unknown.follow(presented);
+    expect(unknown.window.value).toEqual(presented.window);
+    expect(unknown.following.value).toBe(false);
+    // A window of their own stays, and a reset returns to the presenter's.
+    unknown.setWindow({ centre: 1, width: 2 });
+    unknown.follow({ ...presented, window: { centre: 50, width: 60 } });
+    expect(unknown.window.value).toEqual({ centre: 1, width: 2 });
+    unknown.reset();
+    expect(unknown.window.value).toEqual({ centre: 50, width: 60 });
+    const known = guest({ windowCenter: 40, windowWidth: 400 });
+    known.follow(presented);
+    expect(known.window.value).toEqual({ centre: 40, width: 400 });
+  });
   it("are smooth and grey if nothing else was kept", () => {
     const old = '{"volume":"a","crosshair":{"x":0,"y":0,"z":0},"window":{"centre":1,"width":2},"measures":[]}';
     expect(slicesFromText(old)).toMatchObject({ smooth: true, overlay: { shown: false, strength: 0.5 } });

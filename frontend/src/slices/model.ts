@@ -77,6 +77,7 @@ export class Slices {
   private readonly store: SliceStore;
   private readonly stopEffect: () => void;
   private first: Window = this.window.value;
+  private knowsRange = true;
   private volume: string | null = null;
   /** This viewer's own view, while another is followed. */
   private own: OwnView | null = null;
@@ -115,6 +116,7 @@ export class Slices {
       this.store.clear();
       this.stacks.value = new Map(stacks.map((stack) => [stack.plane, stack]));
       this.first = firstWindow(header);
+      this.knowsRange = header.windowWidth > 0 || header.percentiles.length > 0;
       this.reset();
       if (this.before?.volume === volume) this.restore(this.before);
       this.before = null;
@@ -259,6 +261,7 @@ export class Slices {
     const remembered = this.remembered();
     if (view === null || !this.available.value || !remembered) {
       this.unfollow();
+      this.beginWith(presented.window);
       return;
     }
     batch(() => {
@@ -277,6 +280,14 @@ export class Slices {
       this.overlay.value = { shown: presented.overlay > 0, strength: presented.overlay || firstOverlay.strength };
       this.placings.value = presented.placings;
     });
+  }
+
+  /** Guests are not told the range of a scan's values, so they begin with the presenter's window. */
+  private beginWith(window: Window): void {
+    if (this.knowsRange || !this.available.value || window.width <= 0) return;
+    const untouched = this.window.value.centre === this.first.centre && this.window.value.width === this.first.width;
+    this.first = bounded(window);
+    if (untouched) this.window.value = this.first;
   }
 
   followMeasurements(measures: readonly Measure[]): void {

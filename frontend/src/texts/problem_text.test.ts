@@ -19,6 +19,8 @@ describe("a problem of the server", () => {
   it("uses the German text of its type on the German page", async () => {
     await loadTexts("de");
     expect(problemText(problem("invalid", "Wrong.", "must be shorter"))).toContain("Eingabe");
+    const wrongAddress = { ...problem("invalid"), errors: [{ field: "email", message: "must be an address" }] };
+    expect(problemText(wrongAddress)).toContain("E-Mail-Adresse");
     expect(problemText(problem("too-many-data-sets", "You have too many scans."))).toContain("Aufnahmen");
     expect(problemText(problem("of-a-later-version", "Something new."))).toBe(problemText(problem("internal")));
     expect(problemText(problem("constructor", "x"))).toBe(problemText(problem("internal")));

@@ -12,7 +12,7 @@ import { encodeCurveQuery, encodeKernelQuery, type KernelReport } from "../proto
 import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
 import { encodeHand } from "../protocol/mark_messages";
 import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
-import { firstState, type ConnectionState } from "../protocol/connection";
+import { firstState, isOver, type ConnectionState } from "../protocol/connection";
 import {
   comingSlice,
   SliceAccess,
@@ -357,7 +357,10 @@ export class ViewerSession {
   /** Handles the messages of the server. */
   private events(): StreamEvents {
     return {
-      connection: (state) => (this.connection.value = state),
+      connection: (state) => {
+        this.connection.value = state;
+        if (isOver(state)) this.slices.allow("none"); // nothing of the scan stays on the screen
+      },
       config: (config) => this.configured(config),
       frame: (frame) => this.pictures.receive(frame),
       slice: (slice) => {

@@ -96,8 +96,8 @@ function AuditTable({ entries }: { readonly entries: readonly AuditEntry[] }) {
           dateText(entry.happened_at),
           whoOf(entry),
           <Action code={entry.action} />,
-          subjectOf(entry),
-          detailsText(entry),
+          <span class="audit-wide">{subjectOf(entry)}</span>,
+          <span class="audit-wide">{detailsText(entry)}</span>,
         ],
       }))}
     />
@@ -115,9 +115,10 @@ function Action({ code }: { readonly code: string }) {
   );
 }
 
-function subjectOf({ subject, subject_email: subjectEmail, subject_id: subjectId }: AuditEntry): string {
+function subjectOf({ subject, subject_email: subjectEmail, subject_id: subjectId }: AuditEntry): ComponentChildren {
   const name = t.admin.subjects[subject] ?? subject;
-  return subjectEmail ?? (subjectId ? `${name} ${subjectId.slice(0, 8)}` : name);
+  if (subjectEmail) return <Address email={subjectEmail} />;
+  return subjectId ? `${name} ${subjectId.slice(0, 8)}` : name;
 }
 
 function whoOf(entry: AuditEntry): ComponentChildren {

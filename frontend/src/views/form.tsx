@@ -1,7 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { ApiProblem } from "../api/client";
-import { t } from "../texts";
-import { serverSentence } from "../texts/problem_text";
+import { invalidText, serverSentence } from "../texts/problem_text";
 import { Notice } from "./shell";
 
 /** The errors of a form, by field. `form` is for errors of the form as a whole. */
@@ -17,7 +16,7 @@ export function faultsOf<Field extends string>(
     const found: Partial<Record<Field, string>> = {};
     for (const field of fields) {
       const message = thrown.errors.find((error) => error.field === field)?.message;
-      if (message !== undefined) found[field] = serverSentence(message, t.problems.kinds.invalid);
+      if (message !== undefined) found[field] = serverSentence(message, invalidText(field));
     }
     if (Object.keys(found).length > 0) return found as Faults<Field>;
   }

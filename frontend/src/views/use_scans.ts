@@ -3,6 +3,7 @@ import { ApiProblem } from "../api/client";
 import type { DataSet } from "../api/types";
 import { isOpen } from "../api/upload_view";
 import { t } from "../texts";
+import { startPolling } from "./polling";
 import { useApp, type AppState } from "./state";
 
 /** So that a person who looks at the list knows within 3 s that the server is unavailable. */
@@ -17,39 +18,31 @@ export function useScans() {
   const open = [...app.uploads.views.value.values()].filter(isOpen).length;
   useEffect(() => {
     const leaving = new AbortController();
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    const load = async (): Promise<void> => {
-      let wait: number;
+    const load = async (): Promise<number> => {
       try {
         const [found, me] = await Promise.all([app.api.dataSets(leaving.signal), app.api.me()]);
-        if (leaving.signal.aborted) return;
+        if (leaving.signal.aborted) return pollMs.idle;
         setSets(found);
         app.me.value = me; // the quota has changed with the list
         setFault("");
         for (const set of found) if (set.state !== "uploading") app.uploads.forgetSent(set.id);
-        wait = found.some((set) => isChanging(set, app))
+        return found.some((set) => isChanging(set, app))
           ? pollMs.changing
           : document.hidden
             ? pollMs.hidden
             : pollMs.idle;
       } catch (thrown) {
-        if (leaving.signal.aborted) return;
-        setFault(isServerAway(thrown) ? t.scans.serverAway : app.explain(thrown));
-        wait = pollMs.failed;
+        if (!leaving.signal.aborted) setFault(isServerAway(thrown) ? t.scans.serverAway : app.explain(thrown));
+        return pollMs.failed;
       }
-      timer = setTimeout(() => void load(), wait);
     };
+    const polling = startPolling(load);
     // Reports a lost network immediately, and loads the list again when the network is back or the page is looked at.
-    const loadNow = () => {
-      clearTimeout(timer);
-      void load();
-    };
-    for (const event of ["online", "offline"]) addEventListener(event, loadNow, { signal: leaving.signal });
-    document.addEventListener("visibilitychange", () => document.hidden || loadNow(), { signal: leaving.signal });
-    void load();
+    for (const event of ["online", "offline"]) addEventListener(event, polling.now, { signal: leaving.signal });
+    document.addEventListener("visibilitychange", () => document.hidden || polling.now(), { signal: leaving.signal });
     return () => {
       leaving.abort();
-      clearTimeout(timer);
+      polling.stop();
     };
     // The number of open uploads is a dependency, because an upload that ends changes the list at once.
   }, [app, round, open]);

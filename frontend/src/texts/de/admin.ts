@@ -19,7 +19,7 @@ export const admin: Texts["admin"] = {
   disabled: "gesperrt",
   administrator: "Administratorrechte",
   active: "aktiv",
-  never: "nicht angemeldet",
+  never: "abgemeldet",
   change: "Bearbeiten",
   changeOf: (email) => `${email} bearbeiten`,
   quotaGb: "Speicherplatz (GB)",
@@ -94,6 +94,7 @@ export const admin: Texts["admin"] = {
   details: {
     account: "Konto",
     by: "über",
+    data_sets: "Aufnahmen",
     from: "von",
     items: "Einträge",
     link: "Link",
@@ -101,6 +102,7 @@ export const admin: Texts["admin"] = {
     permission: "Freigabe",
     slices: "Schichten",
     to: "auf",
+    voxels: "Voxel",
   },
   detailWords: {
     owner: "eigenes Konto",

@@ -2,7 +2,7 @@ import type { Texts } from "../shape";
 import { count, fixed } from "./counting";
 
 export const labels: Texts["labels"] = {
-  lead: "Jemand hat diese Strukturen in der Aufnahme markiert. Wählen Sie eine aus, um ihr Aussehen zu ändern.",
+  lead: "Jemand hat diese Strukturen in der Aufnahme markiert. Wählen Sie eine aus, um ihr Aussehen zu ändern. Um Strukturen im Inneren zu sehen, blenden Sie alles aus, was nicht markiert ist.",
   coloured: "Die Strukturen farbig zeigen",
   name: "Was ist das?",
   press: "Drücken Sie im Bild auf eine Struktur, um ihren Namen zu sehen.",
@@ -22,10 +22,10 @@ export const labels: Texts["labels"] = {
   explain:
     "Eine Segmentierungsdatei sagt, welche Teile der Aufnahme zu welcher Struktur gehören, zum Beispiel zu einem Organ. Das kann eine NIfTI-Datei mit Strukturen (.nii oder .nii.gz), eine DICOM-Segmentierung (SEG) oder ein DICOM-Strukturensatz (RTSTRUCT) sein. Sie muss zu dieser Aufnahme gehören. Öffnen Sie danach die Aufnahme, und wählen Sie links „Strukturen“.",
   privacy:
-    "Gesendet werden nur die Strukturen mit ihren Namen und Farben. Name, Datumsangaben und Nummern der Patientin oder des Patienten werden vorher aus der Datei entfernt.",
+    "Gesendet werden nur die Strukturen mit ihren Namen und Farben. Name, Datumsangaben und Nummern der Patientin oder des Patienten werden vorher aus der Datei entfernt. Personen, mit denen Sie die Aufnahme teilen, sehen die Strukturen auch. Gäste, Personen mit einem Link und die Galerie erfahren die Namen nicht.",
   choose: "Datei auswählen",
-  replace: "Strukturen ersetzen",
-  remove: "Strukturen entfernen",
+  replace: "Ersetzen",
+  remove: "Entfernen",
   none: "Diese Aufnahme hat keine markierten Strukturen.",
   has: (labels, bytes) =>
     `In dieser Aufnahme ${labels === 1 ? "ist" : "sind"} ${count(labels, "Struktur", "Strukturen")} markiert (${bytes}).`,

@@ -17,6 +17,12 @@ export const problems: Texts["problems"] = {
       "Die Verbindung ist beim Speichern abgebrochen. Laden Sie die Seite neu, um zu sehen, ob Ihre Änderung gespeichert wurde.",
     internal: "Bei uns ist etwas schiefgegangen. Versuchen Sie es gleich noch einmal.",
   },
+  fields: {
+    email: "Geben Sie eine gültige E-Mail-Adresse ein.",
+    password: "Prüfen Sie das Passwort.",
+    current: "Das Passwort ist falsch.",
+    code: "Dieser Code ist falsch oder wurde schon benutzt. Warten Sie auf den nächsten.",
+  },
   kinds: {
     invalid: "Bitte prüfen Sie Ihre Eingabe.",
     unauthenticated: "Sie sind abgemeldet. Melden Sie sich wieder an.",

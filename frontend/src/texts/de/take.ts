@@ -84,6 +84,8 @@ export const take: Texts["take"] = {
     time === null
       ? "Sobald das Bild schärfer ist, steht hier, wie lange es dauern wird."
       : `Es dauert ${between(time.least, time.most)}, und länger, solange jemand ein Bild dreht. Während der Berechnung sehen Sie, wie lange es noch dauert.`,
+  framesBegun: (done, all) =>
+    done === 0 ? `Das erste von ${count(all, "Bild", "Bildern")} wird berechnet.` : `${done} von ${all}`,
   framesDone: (done, all, left) => `${done} von ${all}, ${scans.upload.left(left)}`,
   wrongSeconds: (most) => `Geben Sie eine ganze Zahl von 1 bis ${most} Sekunden ein.`,
   views: "Ansichten in dieser Reihenfolge",

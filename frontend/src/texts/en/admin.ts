@@ -18,7 +18,7 @@ export const admin = {
   disabled: "disabled",
   administrator: "administrator",
   active: "active",
-  never: "not signed in",
+  never: "signed out",
   change: "Edit",
   changeOf: (email: string) => `Edit ${email}`,
   quotaGb: "Storage (GB)",
@@ -92,6 +92,7 @@ export const admin = {
   details: {
     account: "account",
     by: "through",
+    data_sets: "scans",
     from: "from",
     items: "entries",
     link: "link",
@@ -99,6 +100,7 @@ export const admin = {
     permission: "share",
     slices: "slices",
     to: "to",
+    voxels: "voxels",
   } as Readonly<Record<string, string>>,
   detailWords: {
     owner: "the owner",

@@ -2,7 +2,7 @@ import { count, fixed } from "./counting";
 
 /** Labels: structures that somebody has marked in a scan. */
 export const labels = {
-  lead: "Someone has marked these structures in the scan. Choose one to change its look.",
+  lead: "Someone has marked these structures in the scan. Choose one to change its look. To see those inside the body, hide everything that isn’t marked.",
   coloured: "Show the structures in colour",
   name: "What is this?",
   press: "Press a structure in the picture to see its name.",
@@ -22,7 +22,7 @@ export const labels = {
   explain:
     "A file of labels says which parts of the scan are which structure, for example an organ. It can be a NIfTI label volume (.nii or .nii.gz), a DICOM segmentation (SEG) or a DICOM structure set (RTSTRUCT), and it must belong to this scan. Afterwards, open the scan and choose “Labels” on the left.",
   privacy:
-    "We send only the structures with their names and colours. Names, dates and ID numbers of the patient are removed from the file first.",
+    "We send only the structures with their names and colours. Names, dates and ID numbers of the patient are removed from the file first. The people you share the scan with see the labels too. Guests, people with a link and the gallery don’t see their names.",
   choose: "Choose a file",
   replace: "Replace the labels",
   remove: "Remove the labels",

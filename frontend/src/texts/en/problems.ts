@@ -15,6 +15,13 @@ export const problems = {
       "The connection was lost while your change was being saved. Reload the page to see whether it was saved.",
     internal: "Something went wrong on our side. Try again in a moment.",
   },
+  /** Like `kinds`, by the field with the error. */
+  fields: {
+    email: "Enter a valid email address.",
+    password: "Check the password.",
+    current: "The password is incorrect.",
+    code: "This code is incorrect or was already used. Wait for the next one.",
+  },
   /** Shown if the server’s sentence is missing or in another language, by kind of problem. */
   kinds: {
     invalid: "Check what you have entered.",

@@ -80,6 +80,8 @@ export const take = {
     time === null
       ? "As soon as the picture is sharper, we can say here how long it will take."
       : `It takes ${between(time.least, time.most)}, and longer while somebody turns a picture. While it is being made, you can see how much time is left.`,
+  framesBegun: (done: number, all: number) =>
+    done === 0 ? `The first of ${count(all, "picture", "pictures")} is being rendered.` : `${done} of ${all}`,
   framesDone: (done: number, all: number, left: number) => `${done} of ${all}, ${scans.upload.left(left)}`,
   wrongSeconds: (most: number) => `Enter a whole number of seconds between 1 and ${most}.`,
   views: "Views, in this order",

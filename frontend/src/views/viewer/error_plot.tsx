@@ -28,6 +28,11 @@ export function ErrorPlot({ points }: { readonly points: readonly ErrorPoint[] }
           </text>
         </g>
       ))}
+      {plot ? null : (
+        <text class="plot-label" x={width / 2} y={height / 2 + 3} text-anchor="middle">
+          {t.viewer.errorUnknown}
+        </text>
+      )}
       {plot ? <polyline class="plot-guide" points={plot.guide} /> : null}
       {plot ? <polyline class="plot-line" points={plot.line} /> : null}
       <text class="plot-label" x={width / 2} y={height + 23} text-anchor="middle">

@@ -20,6 +20,7 @@ export function LiveLine({ session, role, owner }: LiveLineProps) {
       <p role="status">
         {presenter ? t.live.presents(shownName(presenter)) : t.live.presenterAway}
         {presenter || owner || role.freeCamera ? null : ` ${t.live.lookAround}`}
+        {presenter && !role.freeCamera ? <Notes session={session} owner={owner} /> : null}
       </p>
       {owner ? <TakeBack session={session} role={role} /> : null}
       <HandButton session={session} role={role} />
@@ -33,6 +34,22 @@ export function LiveLine({ session, role, owner }: LiveLineProps) {
       </button>
     </div>
   );
+}
+
+/** What a follower can do if the picture is not as they want it. */
+function Notes({ session, owner }: Pick<LiveLineProps, "session" | "owner">) {
+  return (
+    <>
+      {owner ? null : <span class="live-note">{t.live.turnIt}</span>}
+      {isWide(session) ? <span class="live-note live-turn">{t.live.turnPhone}</span> : null}
+    </>
+  );
+}
+
+/** The presenter's window is so wide that a phone held upright shows its picture very small. */
+function isWide(session: ViewerSession): boolean {
+  const shown = session.pictures.picture.value;
+  return shown !== null && shown.width > 1.3 * shown.height;
 }
 
 function HandButton({ session, role }: Pick<LiveLineProps, "session" | "role">) {

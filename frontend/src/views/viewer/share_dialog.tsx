@@ -28,7 +28,11 @@ export interface ShareDialogProps {
 export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps) {
   return (
     <Dialog title={t.live.title} onClose={onClose}>
-      {owner ? <LinkPart session={session} role={role} /> : <p>{t.live.guestLead}</p>}
+      {owner ? (
+        <LinkPart session={session} role={role} />
+      ) : (
+        <p>{role.presents ? t.live.presenterLead : t.live.guestLead}</p>
+      )}
       <h3>{t.live.here}</h3>
       <ul class="people">
         {role.people.map((one) => (

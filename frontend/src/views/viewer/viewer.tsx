@@ -4,6 +4,7 @@ import type { Region } from "../../cut/region";
 import type { KeyCommand } from "../../input/keys";
 import { ownPlace, type Place } from "../../live/place";
 import { roleOf } from "../../live/role";
+import { isOver } from "../../protocol/connection";
 import { t } from "../../texts";
 import { OpenLibrary } from "../marks/open_library";
 import { InPicture } from "../picture/in_picture";
@@ -60,7 +61,8 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
   // eslint-disable-next-line react-hooks/exhaustive-deps -- another place begins with fresh handles in the picture
   const picture = useMemo(() => new InPicture(), [place]);
   const shot = useShot(place);
-  const role = roleOf(session?.audience.value ?? null);
+  const isEnded = session !== null && isOver(session.connection.value);
+  const role = roleOf(isEnded ? null : (session?.audience.value ?? null));
   const own = place.data_set_id !== null;
   const cutting = onCut !== undefined;
   const cut = onCut && place.data_set_id !== null ? { dataSetId: place.data_set_id, onConfirm: onCut } : null;
@@ -80,6 +82,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       ref={page}
       data-slices={session?.slices.open.value ? session.slices.view.value : undefined}
       data-following={session?.slices.following.value ? "" : undefined}
+      data-visit={session?.connection.value.trouble === "link_ended" ? "over" : undefined}
     >
       <ViewerStage canvas={canvas} session={session} role={role} picture={picture} cutting={cutting} />
       <ViewerHeader {...common} title={title} visitor={visitor} cutting={cutting} obey={obey} open={setOpen} />

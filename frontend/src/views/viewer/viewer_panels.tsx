@@ -1,5 +1,6 @@
 import type { Region } from "../../cut/region";
 import type { Role } from "../../live/role";
+import { isOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { CutPanel } from "../cut/cut_panel";
 import type { InPicture } from "../picture/in_picture";
@@ -25,8 +26,7 @@ export interface CutTask {
 
 /** The panels over the picture. There are none once the rendering time is used up, or a visit is over. */
 export function ViewerPanels({ session, role, picture, cut, focusPicture }: ViewerPanelsProps) {
-  const { trouble } = session.connection.value;
-  if (trouble === "time_spent" || trouble === "link_ended") return null;
+  if (isOver(session.connection.value)) return null;
   return (
     <>
       <OrientationCube session={session} leads={role.presents} />

@@ -160,12 +160,10 @@ interface RenderingLineProps {
 function RenderingLine({ shot: { video, frames, progress, stop }, state: { done, waits } }: RenderingLineProps) {
   const text = video ? t.take.ofVideo : t.take.ofPicture;
   const left = secondsLeft(progress);
-  const soFar =
-    done === null || (video && left === null)
-      ? ""
-      : video
-        ? t.take.framesDone(Math.round(done * frames), frames, left ?? 0)
-        : percentText(Math.floor(100 * done) / 100);
+  const rendered = Math.round((done ?? 0) * frames);
+  const ofVideo = left === null ? t.take.framesBegun(rendered, frames) : t.take.framesDone(rendered, frames, left);
+  const ofPicture = done === null ? "" : percentText(Math.floor(100 * done) / 100);
+  const soFar = video ? ofVideo : ofPicture;
   return (
     <div class="glass pill shot-line" data-shot="rendering">
       <span class="shot-words">
