@@ -199,6 +199,8 @@ void LiveSession::take(std::uint64_t connection, const v1::ClientMessage& messag
     case v1::ClientMessage::kFileTaken:
       return apply(files_.handle(FileTaken{connection, message.file_taken().seq()}, state_));
     case v1::ClientMessage::kSliceView:
+      // First, so that guests know that they can get the slices of the view.
+      apply(render::receive(state_, connection, message, turn.now), connection);
       return apply(
           collaboration_.handle(SliceViewSent{connection, message.slice_view()}, state_, turn.now));
     case v1::ClientMessage::kMeasurements:
