@@ -193,6 +193,8 @@ void LiveSession::take(std::uint64_t connection, const v1::ClientMessage& messag
       return apply(slices_.handle(SlicesRequested{connection, message.slices()}, state_, turn.now));
     case v1::ClientMessage::kKeyView:
       return apply(files_.handle(KeyViewSent{connection, message.key_view()}, state_));
+    case v1::ClientMessage::kFileMark:
+      return apply(files_.handle(FileMarkSent{connection, message.file_mark()}, state_));
     case v1::ClientMessage::kFile:
       return apply(files_.handle(
           FileRequested{connection, message.file(), ended_ ? nullptr : volume_}, state_));

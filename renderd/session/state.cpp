@@ -470,6 +470,7 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
     case RequestKind::kKeyView:
     case RequestKind::kFile:
     case RequestKind::kFileTaken:
+    case RequestKind::kFileMark:
       return refusal("Only people who opened the scan with their own account can create files.",
                      "file");
     case RequestKind::kGuestSlices:
@@ -532,6 +533,7 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
     case v1::ClientMessage::kKeyView:
     case v1::ClientMessage::kFile:
     case v1::ClientMessage::kFileTaken:
+    case v1::ClientMessage::kFileMark:
     case v1::ClientMessage::kMeasurements:
     case v1::ClientMessage::kPointer:
     case v1::ClientMessage::kSharedTaken:

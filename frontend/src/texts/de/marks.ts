@@ -58,9 +58,13 @@ export const marks: Texts["marks"] = {
       : marks === 0
         ? `Mit ${count(measures, "Messung", "Messungen")}`
         : `Mit ${count(marks, "Markierung", "Markierungen")} und ${count(measures, "Messung", "Messungen")}`,
-  includeInPicture: (marks) => `${count(marks, "Markierung", "Markierungen")} ins Bild zeichnen`,
-  inPictureHint: "Die Texte der Markierungen sind dann im Bild zu lesen.",
-  notSoLarge: "Markierungen werden nur in Bilder mit bis zu 4096 Pixeln je Seite gezeichnet.",
-  notInVideos: "Videos enthalten keine Markierungen.",
+  inPicture: {
+    include: (marks) => `${count(marks, "Markierung", "Markierungen")} ins Bild zeichnen`,
+    hint: "Die Texte der Markierungen sind dann im Bild zu lesen.",
+  },
+  inVideo: {
+    include: (marks) => `${count(marks, "Markierung", "Markierungen")} ins Video zeichnen`,
+    hint: "Die Markierungen bleiben an ihren Stellen der Aufnahme. Ihre Texte sind dann im Video zu lesen.",
+  },
   includeHint: "Alle, die das öffnen, können die Texte der Markierungen lesen.",
 };

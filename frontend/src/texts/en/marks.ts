@@ -59,9 +59,13 @@ export const marks = {
       : marks === 0
         ? `Include ${count(measures, "measurement", "measurements")}`
         : `Include ${count(marks, "mark", "marks")} and ${count(measures, "measurement", "measurements")}`,
-  includeInPicture: (marks: number) => `Draw ${count(marks, "mark", "marks")} into the picture`,
-  inPictureHint: "The texts of the marks can then be read in the picture.",
-  notSoLarge: "Marks are drawn into pictures of up to 4096 pixels per side.",
-  notInVideos: "Videos don’t contain marks.",
+  inPicture: {
+    include: (marks: number) => `Draw ${count(marks, "mark", "marks")} into the picture`,
+    hint: "The texts of the marks can then be read in the picture.",
+  },
+  inVideo: {
+    include: (marks: number) => `Draw ${count(marks, "mark", "marks")} into the video`,
+    hint: "The marks stay at their points of the scan, and their texts can be read in the video.",
+  },
   includeHint: "Everyone who opens it can read the texts of the marks.",
 } as const;
