@@ -41,9 +41,9 @@ export const marks: Texts["marks"] = {
     added: (name) => `Als ${name} gespeichert. Spätere Änderungen werden von selbst gespeichert.`,
     content: (marks, measures) =>
       `${count(marks, "Markierung", "Markierungen")}, ${count(measures, "Messung", "Messungen")}`,
-    share: "Für alle sichtbar, die diese Aufnahme mit ihrem Konto öffnen können",
+    share: "Für alle sichtbar, die diese Aufnahme öffnen können",
     shareHint:
-      "Geteilte Markierungen sehen alle, mit denen die Aufnahme geteilt ist. Ist sie öffentlich, sind sie auch in der Galerie zu sehen.",
+      "Geteilte Markierungen sehen alle, mit denen Sie die Aufnahme teilen, auch ohne Konto über einen Link. Ist sie öffentlich, sind sie auch in der Galerie zu sehen.",
     shared: "geteilt",
     rename: "Umbenennen",
     renameOf: (name) => `${name} umbenennen`,

@@ -41,9 +41,9 @@ export const marks = {
     added: (name: string) => `Saved as ${name}. Later changes are saved by themselves.`,
     content: (marks: number, measures: number) =>
       `${count(marks, "mark", "marks")}, ${count(measures, "measurement", "measurements")}`,
-    share: "Everyone who can open this scan with their account sees it",
+    share: "Everyone who can open this scan sees it",
     shareHint:
-      "Shared marks are visible to people with whom the scan is shared, and in the gallery if the scan is public.",
+      "Shared marks are visible to everyone with whom you share the scan, also without an account through a link, and in the gallery if the scan is public.",
     shared: "shared",
     rename: "Rename",
     renameOf: (name: string) => `Rename ${name}`,
