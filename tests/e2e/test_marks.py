@@ -304,7 +304,7 @@ def test_marks_are_drawn_into_videos_and_large_pictures(stack: TestStack, visit,
     assert front > 300 and 0 < back < front, f"{front}, {back}: behind the head, the marks are faint and dashed"
     dialog = taking(page, "picture")
     dialog.get_by_label("Size").select_option("other")
-    dialog.get_by_label("Width").fill("128")
+    dialog.get_by_label("Width").fill("32")
     dialog.get_by_label("Height").fill("4112")
     dialog.get_by_label("Quality", exact=True).select_option("quick")
     drawn = green_pixels(rgb_of(saved(dialog, "Save the picture", "picture")))
