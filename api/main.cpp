@@ -105,7 +105,7 @@ void add_routes(RequestRouter& router, Services& services) {
   router.add(label_routes(picture.labels));
   router.add(visit_routes(shared.visits));
   router.add(environment_routes(shared.environments));
-  router.add(annotation_routes(shared.annotations));
+  router.add(annotation_routes(shared.annotations, shared.visits));
   router.add(preset_routes(shared.presets, picture.preset_pictures));
   router.add(report_routes(shared.reports));
 }

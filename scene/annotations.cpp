@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "common/names.h"
 #include "scene/check.h"
@@ -61,6 +62,10 @@ Result<v1::Annotations> annotations_from_json(std::string_view json) {
       google::protobuf::StringPiece(json.data(), json.size()), &annotations, options);
   // The parser's message would repeat the texts.
   if (!status.ok()) return fail(ErrorCode::kInvalid, "must be a message Annotations");
+  return check_annotations(std::move(annotations));
+}
+
+Result<v1::Annotations> check_annotations(v1::Annotations annotations) {
   if (!are_valid(annotations.marks())) {
     return fail(ErrorCode::kInvalid, "must have at most 50 marks with valid numbers");
   }

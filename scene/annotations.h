@@ -22,6 +22,9 @@ bool are_valid(const diaphane::v1::Measurements& measurements);
 /// Returns a copy without unknown fields, whose texts are cleaned like names (common/names.h).
 diaphane::v1::Marks cleaned(const diaphane::v1::Marks& marks);
 
+/// Checks and cleans them. kInvalid.
+Result<diaphane::v1::Annotations> check_annotations(diaphane::v1::Annotations annotations);
+
 /// Reads Protobuf JSON strictly, and checks and cleans it. kInvalid.
 Result<diaphane::v1::Annotations> annotations_from_json(std::string_view json);
 std::string annotations_to_json(const diaphane::v1::Annotations& annotations);

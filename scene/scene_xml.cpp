@@ -22,6 +22,7 @@ using google::protobuf::Message;
 using google::protobuf::Reflection;
 
 constexpr const char* kRoot = "preset";
+constexpr const char* kAnnotations = "annotations";
 constexpr const char* kNamespace = "urn:diaphane:preset";
 
 tl::unexpected<Error> refused(const std::string& field, const std::string& what) {
@@ -253,7 +254,7 @@ Result<void> parse(std::string_view xml, pugi::xml_document& document) {
 Result<XmlPreset> preset_from_xml(std::string_view xml) {
   pugi::xml_document document;
   DIAPHANE_TRY(parse(xml, document));
-  const pugi::xml_node root = document.document_element();
+  pugi::xml_node root = document.document_element();
   if (std::string_view(root.name()) != kRoot ||
       std::string_view(root.attribute("xmlns").value()) != kNamespace) {
     return refused(kRoot, "must be the root element, with xmlns=\"urn:diaphane:preset\"");
@@ -275,14 +276,18 @@ Result<XmlPreset> preset_from_xml(std::string_view xml) {
     const std::string_view name = attribute.name();
     if (name != "xmlns" && name != "version" && name != "name") preset.has_unknown = true;
   }
-  if (auto done = read_message(preset.scene, root, {}, preset.has_unknown); !done) {
-    return tl::unexpected(done.error());
+  if (const pugi::xml_node element = root.child(kAnnotations)) {
+    preset.annotations.emplace();
+    DIAPHANE_TRY(read_message(*preset.annotations, element, kAnnotations, preset.has_unknown));
+    root.remove_child(element);
+    if (root.child(kAnnotations)) return refused(kAnnotations, "must occur only once");
   }
+  DIAPHANE_TRY(read_message(preset.scene, root, {}, preset.has_unknown));
   return preset;
 }
 
 std::string preset_to_xml(std::string_view name, const diaphane::v1::Scene& scene,
-                          std::string_view kept) {
+                          std::string_view kept, const diaphane::v1::Annotations* annotations) {
   pugi::xml_document document;
   if (kept.empty() || !parse(kept, document) || !document.child(kRoot)) document.reset();
   pugi::xml_node root = document.child(kRoot);
@@ -300,6 +305,8 @@ std::string preset_to_xml(std::string_view name, const diaphane::v1::Scene& scen
   set("version", std::to_string(kXmlVersion));
   set("name", std::string(name));
   write_message(scene, root);
+  drop_from(root, kAnnotations, annotations != nullptr ? 1 : 0);
+  if (annotations != nullptr) write_message(*annotations, element_of(root, kAnnotations, 0));
   std::ostringstream text;
   document.save(text, "  ", pugi::format_default, pugi::encoding_utf8);
   return text.str();

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "api/proto/scene.pb.h"
+#include "api/proto/stream.pb.h"
 #include "common/result.h"
 
 /// The exchange format of presets (thesis 4.2: "a preset file, encoded in XML, which contains all
@@ -23,6 +25,8 @@ inline constexpr int kMostXmlNodes = 20'000;
 struct XmlPreset {
   std::string name;
   diaphane::v1::Scene scene;  ///< parsed, but not checked (check_scene)
+  /// Of the element <annotations>. Parsed, but not checked (check_annotations).
+  std::optional<diaphane::v1::Annotations> annotations;
   /// Contains elements of another version, so the document is worth keeping.
   bool has_unknown = false;
 };
@@ -32,9 +36,10 @@ struct XmlPreset {
 /// later version.
 Result<XmlPreset> preset_from_xml(std::string_view xml);
 
-/// `kept`: the document from which the preset was read, or empty. Its content besides the scene is
-/// preserved.
+/// `kept`: the document from which the preset was read, or empty. Its content besides the scene and
+/// the annotations is preserved. `annotations`: null if there are none.
 std::string preset_to_xml(std::string_view name, const diaphane::v1::Scene& scene,
-                          std::string_view kept = {});
+                          std::string_view kept = {},
+                          const diaphane::v1::Annotations* annotations = nullptr);
 
 }  // namespace diaphane::scene

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "scene/annotations.h"
 #include "scene/scene.h"
 
 namespace diaphane::scene {
@@ -48,6 +49,32 @@ TEST(PresetXml, RoundTripsExactly) {
   EXPECT_EQ(read->name, "Mine & yours");
   EXPECT_FALSE(read->has_unknown);
   EXPECT_EQ(preset_to_xml("Mine & yours", read->scene), xml);
+}
+
+TEST(PresetXml, RoundTripsMarksAndMeasurements) {
+  const auto annotations = annotations_from_json(R"({
+    "marks": {"items": [
+      {"id": 1, "kind": "ARROW", "colour": 3, "text": "Here & <there>", "place": {"x": 0.1}, "tail": {"z": -20}},
+      {"id": 2, "kind": "CIRCLE", "place": {}, "tail": {}, "radius": 5.5}]},
+    "measurements": {"items": [
+      {"kind": "RULER", "plane": "CORONAL", "slice": 7, "points": [{"x": 1}, {"x": 2}]}]}})");
+  ASSERT_TRUE(annotations) << annotations.error().message;
+  const std::string foreign =
+      wrapped("<atlas/><annotations><marks><items><id>9</id><glow/></items></marks></annotations>");
+  const std::string xml = preset_to_xml("Mine", whole_scene(), foreign, &*annotations);
+  const auto read = preset_from_xml(xml);
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_TRUE(read->annotations);
+  EXPECT_TRUE(MessageDifferencer::Equals(*read->annotations, *annotations)) << xml;
+  EXPECT_TRUE(MessageDifferencer::Equals(read->scene, whole_scene()));
+  EXPECT_NE(xml.find("<atlas"), std::string::npos);
+  const std::string bare = preset_to_xml("Mine", whole_scene(), foreign);
+  EXPECT_EQ(bare.find("annotations"), std::string::npos) << "without marks, none are kept";
+  EXPECT_FALSE(preset_from_xml(bare)->annotations);
+  EXPECT_EQ(field_of_error(wrapped("<annotations/><annotations/>")), "annotations");
+  EXPECT_EQ(field_of_error(wrapped("<annotations><marks><items><kind>STAR</kind></items></marks>"
+                                   "</annotations>")),
+            "annotations.marks.items[0].kind");
 }
 
 TEST(PresetXml, PreservesUnknownElements) {

@@ -23,6 +23,13 @@ nlohmann::ordered_json to_json(const AnnotationSet& set) {
           {"updated_at", rfc3339(set.updated_at)}};
 }
 
+Response sets_response(const std::vector<AnnotationSet>& sets) {
+  nlohmann::ordered_json body;
+  body["items"] = nlohmann::ordered_json::array();
+  for (const AnnotationSet& one : sets) body["items"].push_back(to_json(one));
+  return json_response(200, body);
+}
+
 Outcome<Response> create_set(AnnotationSets& sets, const Request& request, const Principal& who) {
   Fields in(request);
   AnnotationSet set;
@@ -54,14 +61,22 @@ Outcome<Response> change_set(AnnotationSets& sets, const Request& request, const
 
 }  // namespace
 
-std::vector<Route> annotation_routes(AnnotationSets& sets) {
+std::vector<Route> annotation_routes(AnnotationSets& sets, Visits& visits) {
   const auto list = [&sets](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = sets.list(who, request.parameter("data_set_id"));
     DIAPHANE_TRY(found);
-    nlohmann::ordered_json body;
-    body["items"] = nlohmann::ordered_json::array();
-    for (const AnnotationSet& one : *found) body["items"].push_back(to_json(one));
-    return json_response(200, body);
+    return sets_response(*found);
+  };
+  const auto follow = [&sets, &visits](const Request& request,
+                                       const Principal&) -> Outcome<Response> {
+    Fields in(request);
+    const std::string token = in.text("token", 64, 64);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto leads = visits.follow(token);
+    DIAPHANE_TRY(leads);
+    const auto found = sets.shared_of(leads->data_set.id);
+    DIAPHANE_TRY(found);
+    return sets_response(*found);
   };
   const auto add = [&sets](const Request& request, const Principal& who) {
     return create_set(sets, request, who);
@@ -77,6 +92,7 @@ std::vector<Route> annotation_routes(AnnotationSets& sets) {
   const std::string one = all + "/{annotation_id}";
   return {
       {"GET", all, "listAnnotations", Access::kAnyoneOrPerson, list, {}},
+      {"POST", "/v1/follow/annotations", "followLinkAnnotations", Access::kAnyone, follow, {}},
       {"POST", all, "createAnnotations", Access::kPerson, add, {}},
       {"PATCH", one, "changeAnnotations", Access::kPerson, patch, {}},
       {"DELETE", one, "deleteAnnotations", Access::kPerson, remove, {}},

@@ -37,6 +37,12 @@ Outcome<std::vector<AnnotationSet>> AnnotationSets::list(const Principal& who,
   return *std::move(found);
 }
 
+Outcome<std::vector<AnnotationSet>> AnnotationSets::shared_of(const std::string& data_set_id) {
+  auto found = store_.list(data_set_id, {});
+  if (!found) return refuse(found.error());
+  return *std::move(found);
+}
+
 Outcome<AnnotationSet> AnnotationSets::find_own(const Principal& who,
                                                 const std::string& data_set_id,
                                                 const std::string& id) {

@@ -58,6 +58,8 @@ class AnnotationSets {
       : data_sets_(data_sets), store_(store), clock_(clock) {}
 
   Outcome<std::vector<AnnotationSet>> list(const Principal& who, const std::string& data_set_id);
+  /// Those that the owner shares, for a visitor with a link. The caller checks the link.
+  Outcome<std::vector<AnnotationSet>> shared_of(const std::string& data_set_id);
   /// Uses name, content, shown and shared of `set`. kTooMany.
   Outcome<AnnotationSet> add(const Principal& who, const std::string& data_set_id,
                              AnnotationSet set);

@@ -5,6 +5,7 @@
 #include "api/routing/representations.h"
 #include "common/names.h"
 #include "common/try.h"
+#include "scene/annotations.h"
 #include "scene/scene.h"
 #include "scene/scene_xml.h"
 
@@ -96,7 +97,20 @@ Outcome<Preset> read_preset_xml(const Request& request) {
   preset.name = clean_name(read->name, kLongestName);
   if (preset.name.empty()) return refuse_field("name", "must contain visible characters");
   preset.scene = *std::move(kept);
-  if (read->has_unknown) preset.kept_xml = request.body;
+  if (read->annotations) {
+    const auto annotations = scene::check_annotations(*read->annotations);
+    if (!annotations) return refuse_field("annotations", annotations.error().message);
+    preset.annotations = scene::annotations_to_json(*annotations);
+  }
+  if (read->has_unknown) {
+    // The marks can be removed later, so they are not kept here as well.
+    preset.kept_xml = read->annotations
+                          ? scene::preset_to_xml(read->name, read->scene, request.body)
+                          : request.body;
+    if (preset.kept_xml.size() > scene::kMostXmlBytes) {
+      return refuse_field("preset", "is too large (256 KB at most)");
+    }
+  }
   return preset;
 }
 
@@ -159,7 +173,9 @@ std::string scene_bytes(const std::string& scene) {
 std::string to_xml(const Preset& preset) {
   // The scene was validated when it was saved. A scene of an older version may lack new fields.
   const auto scene = scene::scene_from_json(preset.scene);
-  return scene::preset_to_xml(preset.name, scene ? *scene : diaphane::v1::Scene{}, preset.kept_xml);
+  const auto annotations = scene::annotations_from_json(preset.annotations);
+  return scene::preset_to_xml(preset.name, scene ? *scene : diaphane::v1::Scene{}, preset.kept_xml,
+                              annotations ? &*annotations : nullptr);
 }
 
 }  // namespace diaphane::api

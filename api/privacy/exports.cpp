@@ -25,7 +25,9 @@ constexpr std::string_view kReadMe =
     "           voxels.i16 holds the values as 16-bit little-endian integers; x varies fastest,\n"
     "           then y, then z. The values of a CT scan are in Hounsfield units. labels says\n"
     "           which voxels show the body, and which the table or the air around it. label_set\n"
-    "           holds the names and voxels of labels that you added.\n"
+    "           holds the names and voxels of labels that you added. marks.json holds the marks\n"
+    "           and measurements that you saved with the scan, in millimetres from its centre.\n"
+    "           Those of other people's scans are in records/annotations.author_id.json.\n"
     "           presets/ holds one image of the scan per preset.\n\n"
     "The files from your disc are not included, because Diaphane does not keep them.\n";
 

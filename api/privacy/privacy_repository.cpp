@@ -138,6 +138,19 @@ Result<std::vector<ExportSection>> PrivacyRepository::sections(const std::string
                                   " IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid)",
                               user_id));
     }
+    for (const pqxx::row& row : transaction.exec_params(
+             R"sql(
+             SELECT a.data_set_id, json_agg(json_build_object(
+                      'name', a.name, 'shown', a.shown, 'shared', a.shared, 'created_at', a.created_at,
+                      'updated_at', a.updated_at, 'content', a.content::json)
+                      ORDER BY a.created_at, a.id)::text AS sets
+               FROM annotations a JOIN data_sets d ON d.id = a.data_set_id
+              WHERE a.author_id = $1::uuid AND d.owner_id = $1::uuid
+              GROUP BY a.data_set_id)sql",
+             user_id)) {
+      sections.push_back({"scans/" + row["data_set_id"].as<std::string>() + "/marks.json",
+                          row["sets"].as<std::string>()});
+    }
     // Hides the identity of other actors.
     sections.push_back({"audit.json", transaction
                                           .exec_params1(R"sql(

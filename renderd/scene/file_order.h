@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "api/proto/stream.pb.h"
@@ -9,10 +10,22 @@
 
 namespace diaphane::render {
 
+inline constexpr std::size_t kMostFileMarks = 100;
+inline constexpr double kLeastMarkUnit = 0.1, kMostMarkUnit = 100;
+/// Pixels of one picture of a label, and of all labels.
+inline constexpr std::uint64_t kMostLabelPixels = std::uint64_t{1} << 20;
+inline constexpr std::uint64_t kMostPixelsOfLabels = std::uint64_t{1} << 24;
+
 /// Appends a key view, whose index must be the next one. Index 0 starts a new list and always
 /// clears `keys`. Otherwise `keys` is unchanged if it fails with kInvalid.
 Result<void> note_key_view(std::vector<diaphane::v1::Scene>& keys,
                            const diaphane::v1::KeyView& view);
+
+/// Appends a mark. `marks` is unchanged if it fails with kInvalid.
+Result<void> note_file_mark(std::vector<diaphane::v1::FileMark>& marks,
+                            const diaphane::v1::FileMark& mark);
+
+Result<void> check_mark_unit(const diaphane::v1::FileRequest& request);
 
 /// Fails with kInvalid and the name of what is wrong with the order or with its scene.
 Result<void> check_picture(const diaphane::v1::LargePicture& picture,

@@ -24,8 +24,12 @@ constexpr int kPngLevelOfFiles = 6;  // encoded once, kept for long
 
 class VideoMaker final : public FileMaker {
  public:
-  VideoMaker(v1::Video video, std::vector<v1::Scene> keys, std::unique_ptr<VideoFile> file)
-      : video_(std::move(video)), keys_(std::move(keys)), file_(std::move(file)) {}
+  VideoMaker(v1::Video video, std::vector<v1::Scene> keys, std::unique_ptr<VideoFile> file,
+             FileMarks marks)
+      : video_(std::move(video)),
+        keys_(std::move(keys)),
+        file_(std::move(file)),
+        marks_(std::move(marks)) {}
 
   std::optional<FileStep> next() override {
     if (taken_ == video_.frames()) return std::nullopt;
@@ -36,7 +40,13 @@ class VideoMaker final : public FileMaker {
                     true};
   }
   Result<std::string> take(const PictureRgb8& picture, std::uint64_t) override {
-    DIAPHANE_TRY(file_->add(picture));
+    if (marks_.empty()) {
+      DIAPHANE_TRY(file_->add(picture));
+    } else {
+      PictureRgb8 marked = picture;
+      marks_.draw(marked, video_frame(video_, keys_, taken_));
+      DIAPHANE_TRY(file_->add(marked));
+    }
     ++taken_;
     return std::string();  // the index comes first in the file, but is known last
   }
@@ -47,6 +57,7 @@ class VideoMaker final : public FileMaker {
   const v1::Video video_;
   const std::vector<v1::Scene> keys_;
   const std::unique_ptr<VideoFile> file_;
+  const FileMarks marks_;
   std::uint32_t taken_ = 0;
 };
 
@@ -55,11 +66,13 @@ class VideoMaker final : public FileMaker {
 // would be noisier.
 class PictureMaker final : public FileMaker {
  public:
-  PictureMaker(Canvas size, double error, v1::Scene scene, std::unique_ptr<PngRows> file)
+  PictureMaker(Canvas size, double error, v1::Scene scene, std::unique_ptr<PngRows> file,
+               FileMarks marks)
       : size_(size),
         error_(error),
         scene_(std::make_shared<const v1::Scene>(std::move(scene))),
         file_(std::move(file)),
+        marks_(std::move(marks)),
         trial_(trial_of(size)) {}
 
   std::optional<FileStep> next() override {
@@ -74,7 +87,7 @@ class PictureMaker final : public FileMaker {
           std::clamp<std::uint64_t>(samples, kFewestSamples, kMostSamples));
       return std::string();
     }
-    auto bytes = file_->add(picture.pixels);
+    auto bytes = marks_.empty() ? file_->add(picture.pixels) : file_->add(marked(picture));
     if (bytes) row_ += picture.size.height;
     return bytes;
   }
@@ -86,6 +99,12 @@ class PictureMaker final : public FileMaker {
   }
 
  private:
+  std::vector<std::uint8_t> marked(PictureRgb8 band) const {
+    band.size.first_row = row_;
+    band.size.whole_height = size_.height;
+    marks_.draw(band, *scene_);
+    return std::move(band.pixels);
+  }
   static double pixels(Canvas canvas) { return double(canvas.width) * canvas.height; }
   static Canvas trial_of(Canvas size) {
     const double shrunk = std::min(1.0, double(kTrialSide) / std::max(size.width, size.height));
@@ -99,28 +118,29 @@ class PictureMaker final : public FileMaker {
   const double error_;
   const std::shared_ptr<const v1::Scene> scene_;
   const std::unique_ptr<PngRows> file_;
+  const FileMarks marks_;
   const Canvas trial_;
   std::uint32_t samples_ = 0;  // 0: not yet known
   std::uint32_t row_ = 0;
 };
 
-Result<std::unique_ptr<FileMaker>> video_maker(const v1::Video& video,
-                                               std::vector<v1::Scene> keys) {
+Result<std::unique_ptr<FileMaker>> video_maker(const v1::Video& video, std::vector<v1::Scene> keys,
+                                               FileMarks marks) {
   DIAPHANE_TRY(check_video(video, keys));
   auto file =
       make_video_file({{video.width(), video.height()}, video.frames_per_second(), video.frames()});
   DIAPHANE_TRY(file);
-  return std::make_unique<VideoMaker>(video, std::move(keys), std::move(*file));
+  return std::make_unique<VideoMaker>(video, std::move(keys), std::move(*file), std::move(marks));
 }
 
 Result<std::unique_ptr<FileMaker>> picture_maker(const v1::LargePicture& picture,
-                                                 std::vector<v1::Scene> keys) {
+                                                 std::vector<v1::Scene> keys, FileMarks marks) {
   DIAPHANE_TRY(check_picture(picture, keys));
   const Canvas size{picture.width(), picture.height()};
   auto file = make_png_rows(size, kPngLevelOfFiles);
   DIAPHANE_TRY(file);
   return std::make_unique<PictureMaker>(size, picture.error(), std::move(keys.front()),
-                                        std::move(*file));
+                                        std::move(*file), std::move(marks));
 }
 
 }  // namespace
@@ -132,9 +152,14 @@ std::uint32_t band_rows(Canvas picture) {
 }
 
 Result<std::unique_ptr<FileMaker>> make_file_maker(const v1::FileRequest& request,
-                                                   std::vector<v1::Scene> keys) {
-  if (request.has_video()) return video_maker(request.video(), std::move(keys));
-  if (request.has_picture()) return picture_maker(request.picture(), std::move(keys));
+                                                   std::vector<v1::Scene> keys, FileMarks marks) {
+  DIAPHANE_TRY(check_mark_unit(request));
+  if (request.has_video()) {
+    return video_maker(request.video(), std::move(keys), std::move(marks));
+  }
+  if (request.has_picture()) {
+    return picture_maker(request.picture(), std::move(keys), std::move(marks));
+  }
   return fail(ErrorCode::kInvalid, "This file type is not supported.", "kind");
 }
 

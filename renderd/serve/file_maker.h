@@ -8,6 +8,7 @@
 
 #include "api/proto/stream.pb.h"
 #include "common/result.h"
+#include "renderd/encode/file_marks.h"
 #include "renderd/engine/frame_renderer.h"
 
 namespace diaphane::render {
@@ -45,6 +46,7 @@ inline constexpr std::uint64_t kBandPixels = std::uint64_t{1} << 20;
 
 /// kInvalid names the invalid field of the order (FileRequest) or of its key views.
 Result<std::unique_ptr<FileMaker>> make_file_maker(const diaphane::v1::FileRequest& request,
-                                                   std::vector<diaphane::v1::Scene> keys);
+                                                   std::vector<diaphane::v1::Scene> keys,
+                                                   FileMarks marks = {});
 
 }  // namespace diaphane::render

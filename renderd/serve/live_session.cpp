@@ -193,12 +193,16 @@ void LiveSession::dispatch(std::uint64_t connection, const v1::ClientMessage& me
       return apply(slices_.handle(SlicesRequested{connection, message.slices()}, state_, turn.now));
     case v1::ClientMessage::kKeyView:
       return apply(files_.handle(KeyViewSent{connection, message.key_view()}, state_));
+    case v1::ClientMessage::kFileMark:
+      return apply(files_.handle(FileMarkSent{connection, message.file_mark()}, state_));
     case v1::ClientMessage::kFile:
       return apply(files_.handle(
           FileRequested{connection, message.file(), ended_ ? nullptr : volume_}, state_));
     case v1::ClientMessage::kFileTaken:
       return apply(files_.handle(FileTaken{connection, message.file_taken().seq()}, state_));
     case v1::ClientMessage::kSliceView:
+      // First, so that guests know that they can get the slices of the view.
+      apply(render::receive(state_, connection, message, turn.now), connection);
       return apply(
           collaboration_.handle(SliceViewSent{connection, message.slice_view()}, state_, turn.now));
     case v1::ClientMessage::kMeasurements:

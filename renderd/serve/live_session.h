@@ -230,6 +230,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
     std::shared_ptr<FileWork> work;
   };
   Result<File> begin_file(effect::StartFile& effect);
+  FindHidden hidden_in(const DeviceVolume& volume) const;
   void on_file_message(std::uint64_t file, diaphane::v1::ServerMessage message, bool last);
 
   // All of these require the lock.

@@ -65,12 +65,21 @@ void LiveSession::carry_out(effect::StartFile& effect) {
   {
     const Turn turn(*this);
     if (!file) {
-      return apply(files_.handle(FileRefused{effect.file, file.error(), std::move(effect.keys)}));
+      return apply(files_.handle(
+          FileRefused{effect.file, file.error(), std::move(effect.keys), std::move(effect.marks)}));
     }
     if (!files_.makes(effect.file)) return;  // given up meanwhile
     file_ = *file;
   }
   file->work->start();
+}
+
+FindHidden LiveSession::hidden_in(const DeviceVolume& volume) const {
+  return [coarse = parts_.stats.of(volume).coarse](const v1::Scene& scene, Canvas canvas,
+                                                   const std::vector<Double3>& places) {
+    return coarse ? hidden_places(*coarse, scene, canvas, places)
+                  : std::vector<bool>(places.size());
+  };
 }
 
 Result<LiveSession::File> LiveSession::begin_file(effect::StartFile& effect) {
@@ -79,7 +88,10 @@ Result<LiveSession::File> LiveSession::begin_file(effect::StartFile& effect) {
     return fail(ErrorCode::kTooMany,
                 "Too many files are being created right now. Try again later.");
   }
-  auto maker = make_file_maker(effect.request, std::exchange(effect.keys, {}));
+  auto marks = FileMarks::make(std::exchange(effect.marks, {}), effect.request.mark_unit(),
+                               hidden_in(*effect.volume));
+  DIAPHANE_TRY(marks);
+  auto maker = make_file_maker(effect.request, std::exchange(effect.keys, {}), std::move(*marks));
   DIAPHANE_TRY(maker);
   auto renderer = parts_.home->engine.renderer(effect.volume, kFileSeed, 0, kFileMethod);
   DIAPHANE_TRY(renderer);

@@ -113,6 +113,31 @@ TEST_F(SessionFilesTest, RendersLargeImageInBands) {
   EXPECT_EQ(device->scenes - scenes, 1 + 3) << "a trial, then bands of 256, 256 and 8 rows";
 }
 
+TEST_F(SessionFilesTest, DrawsMarksIntoVideosAndLargePictures) {
+  Viewer one = attach(new_id());
+  ASSERT_TRUE(is_quiet());
+  const auto file = [&](bool marked, bool video) {
+    one.key(0, one.scene);
+    v1::ClientMessage message;
+    message.mutable_file_mark()->mutable_mark()->set_kind(v1::Mark::CIRCLE);
+    message.mutable_file_mark()->mutable_mark()->set_radius(5);
+    if (marked) one.say(message);
+    if (video) {
+      one.video(2);
+    } else {
+      one.picture(4096, 64);
+    }
+    return one.file();
+  };
+  for (const bool video : {false, true}) {
+    const std::string bare = file(false, video);
+    EXPECT_EQ(file(false, video), bare);
+    const std::string marked = file(true, video);
+    EXPECT_GT(marked.size(), 100u);
+    EXPECT_NE(marked, bare);
+  }
+}
+
 TEST_F(SessionFilesTest, CancelledFileStopsRenderingAndFreesItsPlace) {
   device->seconds_per_megapixel = 1;
   const std::string session = new_id();

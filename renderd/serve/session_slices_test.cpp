@@ -46,6 +46,12 @@ struct Viewer : TestViewer {
     message.mutable_guest_slices()->set_on(on);
     say(message);
   }
+  void show_slices(bool on) {
+    v1::ClientMessage message;
+    message.mutable_slice_view()->set_layout(on ? v1::SliceView::FOUR
+                                                : v1::SliceView::LAYOUT_UNSPECIFIED);
+    say(message);
+  }
   std::optional<v1::ExactSlice> slice() {
     const auto message = link->inbox.next_of(Kind::kSlice);
     if (!message) return std::nullopt;
@@ -116,6 +122,7 @@ TEST_F(SessionSlicesTest, EachViewerGetsOnlyItsOwnSlices) {
   Viewer owner = attach(session);
   Viewer guest = attach(session, new_id());
   owner.let_guests_see_slices(true);
+  owner.show_slices(true);
   guest.want({{v1::AXIAL, 1}});
   const auto slice = guest.slice();
   ASSERT_TRUE(slice);
@@ -141,8 +148,13 @@ TEST_F(SessionSlicesTest, GuestsGetSlicesOnlyWhileAllowed) {
   EXPECT_EQ(guest.problem()->field(), "guest_slices");
   EXPECT_TRUE(refused());
   owner.let_guests_see_slices(true);
+  EXPECT_TRUE(refused()) << "the presenter shows none";
+  owner.show_slices(true);
   guest.want({{v1::AXIAL, 1}});
   EXPECT_TRUE(guest.slice());
+  owner.show_slices(false);
+  EXPECT_TRUE(refused());
+  owner.show_slices(true);
   owner.let_guests_see_slices(false);
   EXPECT_TRUE(refused());
   EXPECT_EQ(guest.link->inbox.count(Kind::kSlice), 1U);
@@ -154,6 +166,7 @@ TEST_F(SessionSlicesTest, GuestSlicesAreClippedAndBecomeStaleOnChange) {
   const v1::Config config = enter(owner, open_message(session, id));
   Viewer guest = attach(session, new_id());
   owner.let_guests_see_slices(true);
+  owner.show_slices(true);
   v1::Scene scene = config.scene();
   v1::Clip::Plane& plane = *scene.mutable_clip()->add_planes();
   plane.mutable_point();
@@ -221,6 +234,7 @@ TEST_F(SessionSlicesTest, StalledViewerHasThreeInFlightAndDelaysNobody) {
   Viewer silent = attach(session);
   Viewer other = attach(session, new_id());
   silent.let_guests_see_slices(true);
+  silent.show_slices(true);
   for (std::uint32_t i = 0; i < 200; ++i) {
     v1::ClientMessage message;
     v1::SliceRequest::At& at = *message.mutable_slices()->add_slices();

@@ -30,7 +30,9 @@ ViewerRights Audience::rights(const Receiver& receiver) const {
   rights.viewer = receiver.viewer;
   rights.presents = presents(receiver);
   rights.free_camera = receiver.free_camera;
-  rights.slices = receiver.viewer == ViewerKind::kGuest ? guest_slices : receiver.may_have_slices;
+  rights.slices = receiver.viewer == ViewerKind::kGuest
+                      ? guest_slices && (rights.presents || (slices_shown && of(presenter)))
+                      : receiver.may_have_slices;
   rights.pointers = guest_pointers;
   return rights;
 }

@@ -109,7 +109,8 @@ struct Audience {
   std::map<std::string, std::uint64_t> guests;
   std::map<diaphane::v1::Codec, Coding> codings;
   SliceAllowances slice_allowances;
-  bool guest_slices = false;   ///< the host allows slices for guests
+  bool guest_slices = false;   ///< the host allows slices for guests while the presenter shows some
+  bool slices_shown = false;   ///< the presenter's slices are open
   bool guest_pointers = true;  ///< the presenter allows pointers and marks of guests
   std::uint64_t hands = 0;     ///< raised so far
 

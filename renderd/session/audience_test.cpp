@@ -295,6 +295,32 @@ TEST_F(AudienceTest, NewViewersHaveNoSlicesUnlessTheyMay) {
   EXPECT_TRUE(slices(request));
 }
 
+TEST_F(AudienceTest, GuestsHaveSlicesWhileThePresenterShowsSome) {
+  const auto owner = join(std::string(kOwner)), guest = join(kAnn);
+  const auto access = [&](std::uint64_t connection) {
+    return slice_access(state.audience.rights(*state.audience.find(connection)));
+  };
+  v1::ClientMessage allow, open, close;
+  allow.mutable_guest_slices()->set_on(true);
+  open.mutable_slice_view()->set_layout(v1::SliceView::FOUR);
+  close.mutable_slice_view();
+  say(owner, open);
+  EXPECT_EQ(access(guest), SliceAccess::kNone) << "not allowed by the host";
+  say(owner, allow);
+  EXPECT_EQ(access(guest), SliceAccess::kClipped);
+  EXPECT_TRUE(say(owner, close).audience);
+  EXPECT_EQ(access(guest), SliceAccess::kNone);
+  EXPECT_EQ(access(owner), SliceAccess::kWhole);
+  EXPECT_TRUE(say(owner, open).audience);
+  EXPECT_FALSE(say(owner, open).audience) << "nothing has changed";
+  EXPECT_EQ(access(guest), SliceAccess::kClipped);
+  detach(state, owner, now);
+  EXPECT_EQ(access(guest), SliceAccess::kNone) << "nobody presents";
+  state.audience.presenter = kAnn;
+  say(guest, close);
+  EXPECT_EQ(access(guest), SliceAccess::kClipped) << "a presenting guest may show some";
+}
+
 TEST_F(AudienceTest, LimitsTheNumberOfViewers) {
   static_assert(kMostReceivers == 64, "docs/bounds.md");
   for (std::size_t i = 0; i < kMostReceivers; ++i) arrive("guest " + std::to_string(i));

@@ -22,6 +22,7 @@ using std::chrono::seconds;
 struct CollaborationTest : testing::Test {
   CollaborationTest() {
     state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state.audience.slices_shown = true;
     presenter = greet(owner());
   }
   std::uint64_t greet(const JoinRequest& join) {
@@ -102,6 +103,7 @@ TEST_F(CollaborationTest, OnlyFollowersWithSlicesGetThePresentersSlices) {
       SCOPED_TRACE(static_cast<int>(viewer));
       SessionState fresh;
       fresh.requested.scene = state.requested.scene;
+      fresh.audience.slices_shown = true;
       state = std::move(fresh);
       together = {};
       presenter = greet(owner());

@@ -90,6 +90,7 @@ struct StartFile {
   std::uint64_t file = 0;
   diaphane::v1::FileRequest request;
   std::vector<diaphane::v1::Scene> keys;
+  std::vector<diaphane::v1::FileMark> marks;
   std::shared_ptr<const DeviceVolume> volume;
 };
 struct AcknowledgeFile {

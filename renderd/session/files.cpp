@@ -24,6 +24,15 @@ Effects Files::handle(const KeyViewSent& event, const SessionState& state) {
   if (const auto noted = note_key_view(key_views_, event.view); !noted) {
     return {refusal(event.connection, noted.error())};
   }
+  if (event.view.index() == 0) marks_.clear();
+  return {};
+}
+
+Effects Files::handle(const FileMarkSent& event, const SessionState& state) {
+  if (!is_greeted(state, event.connection)) return {};
+  if (const auto noted = note_file_mark(marks_, event.mark); !noted) {
+    return {refusal(event.connection, noted.error())};
+  }
   return {};
 }
 
@@ -40,7 +49,7 @@ Effects Files::handle(FileRequested event, const SessionState& state) {
   }
   file_ = File{++files_, event.connection};
   return {effect::StartFile{file_->id, event.request, std::exchange(key_views_, {}),
-                            std::move(event.volume)}};
+                            std::exchange(marks_, {}), std::move(event.volume)}};
 }
 
 Effects Files::handle(const FileTaken& event, const SessionState& state) {
@@ -63,7 +72,10 @@ Effects Files::handle(FileMessage event) {
 
 Effects Files::handle(FileRefused event) {
   if (!makes(event.file)) return {};
-  if (key_views_.empty()) key_views_ = std::move(event.keys);
+  if (key_views_.empty()) {
+    key_views_ = std::move(event.keys);
+    marks_ = std::move(event.marks);
+  }
   return {refusal(std::exchange(file_, std::nullopt)->connection, std::move(event.why))};
 }
 

@@ -14,6 +14,10 @@ struct KeyViewSent {
   std::uint64_t connection = 0;
   const diaphane::v1::KeyView& view;
 };
+struct FileMarkSent {
+  std::uint64_t connection = 0;
+  const diaphane::v1::FileMark& mark;
+};
 /// A request without a kind gives the current file up.
 struct FileRequested {
   std::uint64_t connection = 0;
@@ -33,13 +37,16 @@ struct FileMessage {
 struct FileRefused {
   std::uint64_t file = 0;
   Error why;
-  std::vector<diaphane::v1::Scene> keys;  ///< not used, so that they serve the next request
+  /// Not used, so that they serve the next request.
+  std::vector<diaphane::v1::Scene> keys;
+  std::vector<diaphane::v1::FileMark> marks;
 };
 
 /// The video or large picture that a session makes for download (docs/adr/0031), one at a time.
 class Files {
  public:
   Effects handle(const KeyViewSent& event, const SessionState& state);
+  Effects handle(const FileMarkSent& event, const SessionState& state);
   Effects handle(FileRequested event, const SessionState& state);
   Effects handle(const FileTaken& event, const SessionState& state);
   Effects handle(FileMessage event);
@@ -61,6 +68,7 @@ class Files {
   std::optional<File> file_;
   std::uint64_t files_ = 0;  // so far
   std::vector<diaphane::v1::Scene> key_views_;
+  std::vector<diaphane::v1::FileMark> marks_;
 };
 
 }  // namespace diaphane::render

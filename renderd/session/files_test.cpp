@@ -51,6 +51,24 @@ TEST_F(FilesTest, StartsFileWithKeyViewsAndPassesItsMessagesOn) {
   EXPECT_EQ(acknowledged.seq, 4u);
 }
 
+TEST_F(FilesTest, NewFirstKeyViewDiscardsMarks) {
+  v1::FileMark mark;
+  mark.mutable_mark()->set_kind(v1::Mark::TEXT);
+  files.handle(KeyViewSent{connection, key}, state);
+  EXPECT_TRUE(files.handle(FileMarkSent{connection, mark}, state).empty());
+  auto start = sole<StartFile>(ask(connection));
+  EXPECT_EQ(start.marks.size(), 1u);
+  files.handle(FileRefused{start.file, {}, std::move(start.keys), std::move(start.marks)});
+  start = sole<StartFile>(ask(connection));
+  EXPECT_EQ(start.marks.size(), 1u) << "not used yet";
+  files.handle(FileRefused{start.file, {}, std::move(start.keys), std::move(start.marks)});
+  files.handle(KeyViewSent{connection, key}, state);
+  EXPECT_TRUE(sole<StartFile>(ask(connection)).marks.empty());
+  mark.mutable_mark()->set_colour(8);
+  const Effects refused = files.handle(FileMarkSent{connection, mark}, state);
+  EXPECT_EQ(sole<Send>(refused).message.problem().field(), "file");
+}
+
 TEST_F(FilesTest, FreesReservationAfterLastPartAndTakesNextFile) {
   const auto first = sole<StartFile>(ask(connection));
   EXPECT_EQ(sole<Send>(ask(connection)).message.problem().code(), "conflict");

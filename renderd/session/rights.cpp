@@ -57,6 +57,7 @@ constexpr std::array kTable{
     Row{RequestKind::kMarks,       {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPointing}},
     Row{RequestKind::kMarkSight,   all(kYes)},
     Row{RequestKind::kRaiseHand,   all(kYes)},
+    Row{RequestKind::kFileMark,    {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
     // clang-format on
 };
 
@@ -138,6 +139,8 @@ std::optional<RequestKind> request_of(const v1::ClientMessage& message) {
       return RequestKind::kMarkSight;
     case v1::ClientMessage::kRaiseHand:
       return RequestKind::kRaiseHand;
+    case v1::ClientMessage::kFileMark:
+      return RequestKind::kFileMark;
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }

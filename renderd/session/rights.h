@@ -50,6 +50,7 @@ enum class RequestKind {
   kMarks,
   kMarkSight,
   kRaiseHand,
+  kFileMark,
 };
 inline constexpr std::array kRequests{
     RequestKind::kHello,      RequestKind::kResize,        RequestKind::kScene,
@@ -59,7 +60,8 @@ inline constexpr std::array kRequests{
     RequestKind::kFileTaken,  RequestKind::kKernel,        RequestKind::kGuestSlices,
     RequestKind::kErrorCurve, RequestKind::kSliceView,     RequestKind::kMeasurements,
     RequestKind::kPointer,    RequestKind::kGuestPointers, RequestKind::kSharedTaken,
-    RequestKind::kMarks,      RequestKind::kMarkSight,     RequestKind::kRaiseHand};
+    RequestKind::kMarks,      RequestKind::kMarkSight,     RequestKind::kRaiseHand,
+    RequestKind::kFileMark};
 /// Returns nullopt for a message that is empty or of a newer page.
 std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message);
 

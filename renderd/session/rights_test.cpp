@@ -12,10 +12,11 @@ namespace {
 
 std::string_view name_of(RequestKind request) {
   constexpr std::array<std::string_view, kRequests.size()> kNames{
-      "hello",      "resize",         "scene",        "ack",         "need key",   "visibility",
-      "handover",   "free camera",    "depth",        "slices",      "key view",   "file",
-      "file taken", "kernel",         "guest slices", "error curve", "slice view", "measurements",
-      "pointer",    "guest pointers", "shared taken", "marks",       "mark sight", "raise hand"};
+      "hello",        "resize",     "scene",        "ack",        "need key",
+      "visibility",   "handover",   "free camera",  "depth",      "slices",
+      "key view",     "file",       "file taken",   "kernel",     "guest slices",
+      "error curve",  "slice view", "measurements", "pointer",    "guest pointers",
+      "shared taken", "marks",      "mark sight",   "raise hand", "file mark"};
   return kNames.at(static_cast<std::size_t>(request));
 }
 
@@ -36,7 +37,8 @@ bool expected(const ViewerRights& who, std::string_view request) {
   if (request == "slices") {
     return who.viewer == ViewerKind::kOwner || who.viewer == ViewerKind::kShared || who.slices;
   }
-  if (request == "key view" || request == "file" || request == "file taken") {
+  if (request == "key view" || request == "file" || request == "file taken" ||
+      request == "file mark") {
     return !without_account;
   }
   if (request == "guest slices") {

@@ -26,7 +26,7 @@ struct SlicesTest : testing::Test {
   std::uint64_t guest() {
     JoinRequest join;
     join.participant = "guest";
-    state.audience.guest_slices = true;
+    state.audience.guest_slices = state.audience.slices_shown = true;
     return attach(state, join, now)->connection;
   }
   Effects ask(std::uint64_t from, std::uint32_t index) {

@@ -253,14 +253,29 @@ Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Hand
   return outcome;
 }
 
+/// Guests' slices that are not sent yet must not arrive after they are turned off or closed.
+void forget_guest_slices(Audience& audience) {
+  for (Receiver& one : audience.receivers) {
+    if (slice_access(audience.rights(one)) == SliceAccess::kNone) one.slices.forget();
+  }
+}
+
 Outcome receive_guest_slices(SessionState& state, bool on) {
   Outcome outcome;
   if (state.audience.guest_slices == on) return outcome;
   state.audience.guest_slices = on;
-  for (Receiver& one : state.audience.receivers) {
-    if (!on && one.viewer == ViewerKind::kGuest) one.slices.forget();
-  }
+  forget_guest_slices(state.audience);
   state.unsaved = true;
+  outcome.audience = true;
+  return outcome;
+}
+
+/// Collaboration passes the view on. This is about what guests can get.
+Outcome receive_slice_view(SessionState& state, const v1::SliceView& view) {
+  Outcome outcome;
+  const bool shown = view.layout() != v1::SliceView::LAYOUT_UNSPECIFIED;
+  if (std::exchange(state.audience.slices_shown, shown) == shown) return outcome;
+  forget_guest_slices(state.audience);
   outcome.audience = true;
   return outcome;
 }
@@ -455,6 +470,7 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
     case RequestKind::kKeyView:
     case RequestKind::kFile:
     case RequestKind::kFileTaken:
+    case RequestKind::kFileMark:
       return refusal("Only people who opened the scan with their own account can create files.",
                      "file");
     case RequestKind::kGuestSlices:
@@ -506,6 +522,8 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_curve_query(*receiver, now);
     case v1::ClientMessage::kGuestSlices:
       return receive_guest_slices(state, message.guest_slices().on());
+    case v1::ClientMessage::kSliceView:
+      return receive_slice_view(state, message.slice_view());
     case v1::ClientMessage::kGuestPointers:
       return receive_guest_pointers(state, message.guest_pointers().on());
     case v1::ClientMessage::kRaiseHand:
@@ -515,7 +533,7 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
     case v1::ClientMessage::kKeyView:
     case v1::ClientMessage::kFile:
     case v1::ClientMessage::kFileTaken:
-    case v1::ClientMessage::kSliceView:
+    case v1::ClientMessage::kFileMark:
     case v1::ClientMessage::kMeasurements:
     case v1::ClientMessage::kPointer:
     case v1::ClientMessage::kSharedTaken:

@@ -59,10 +59,13 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     follower.keyboard.press("Control+z")
     assert follower.get_by_role("button", name="Undo", exact=True).get_attribute("aria-disabled") == "true"
 
-    # No slices until the owner allows them: neither the button nor the key shows any.
-    expect(follower.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
-    follower.keyboard.press("v")
-    expect(follower.locator(".slice-pane")).to_have_count(0)
+    # No slices until the owner allows and shows them: neither the button nor the key shows any.
+    def has_none() -> None:
+        expect(follower.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
+        follower.keyboard.press("v")
+        expect(follower.locator(".slice-pane")).to_have_count(0)
+
+    has_none()
     owner.get_by_role("button", name="View together").click()
     switch = owner.get_by_role("checkbox", name="Guests can also see the slices")
     expect(switch).not_to_be_checked()
@@ -71,12 +74,16 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     owner.screenshot(path=pictures / "live-share-slices.png")
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
 
-    follower.get_by_role("button", name="Show the slices (V)").click()
-    axial = follower.locator(".slice-pane[data-plane=axial] canvas")
+    has_none()
+    assert facts(owner).epoch == seen
+    owner.keyboard.press("v")
+    axial, shown = (page.locator(".slice-pane[data-plane=axial] canvas") for page in (follower, owner))
     expect(axial).to_have_attribute("data-came", "true")
-    begun = int(axial.get_attribute("data-index"))
-    axial.focus()
-    follower.keyboard.press("ArrowDown")
+    expect(shown).to_have_attribute("data-came", "true")
+    begun = int(shown.get_attribute("data-index"))
+    expect(axial).to_have_attribute("data-index", str(begun))
+    shown.focus()
+    owner.keyboard.press("ArrowDown")
     expect(axial).to_have_attribute("data-index", str(begun + 1))
     expect(axial).to_have_attribute("data-came", "true")
     value = follower.locator(".slice-pane[data-plane=axial] .slice-value")
@@ -84,12 +91,7 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     follower.screenshot(path=pictures / "live-follower-slices.png")
     cube, line = (follower.locator(name).bounding_box() for name in (".cube", ".live-line"))
     assert cube["y"] + cube["height"] <= line["y"], "the cube covers the follower's line"
-    assert facts(owner).epoch == seen
-    # The presenter's slices and picture are unchanged.
-    owner.keyboard.press("v")
-    expect(owner.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-index", str(begun))
-    expect(owner.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-came", "true")
-    owner.keyboard.press("v")
+    owner.keyboard.press("ArrowUp")
 
     # What the owner cuts away also disappears from the follower's slices, here the middle of the volume with the crosshair.
     owner.get_by_role("button", name="Cuts and slices", exact=True).click()
@@ -105,12 +107,16 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     expect(value).to_contain_text("HU")
     owner.get_by_role("button", name="Close Cuts and slices").click()
 
-    # When switched off, they disappear from the follower's page at once.
+    # When closed or switched off, they disappear from the follower's page at once.
+    owner.keyboard.press("v")
+    has_none()
+    owner.keyboard.press("v")
+    expect(axial).to_have_attribute("data-came", "true")
     owner.get_by_role("button", name="View together").click()
     owner.get_by_role("checkbox", name="Guests can also see the slices").uncheck()
-    expect(follower.locator(".slice-pane")).to_have_count(0)
-    expect(follower.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
+    has_none()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
+    owner.keyboard.press("v")
     same_picture(stack, owner, follower)
 
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 
+import numpy as np
+import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
@@ -12,6 +15,8 @@ from person import Person
 from picture import wait_for_samples
 from test_in_picture import open_scan
 from test_pages import check_page
+from test_take_away import hide_message
+from test_videos import VIDEO_PATIENCE_MS, ask_for_ten_frames, taking
 
 MARKS = ".stage > .mark-area [data-mark]"
 
@@ -156,7 +161,7 @@ def test_marks_are_made_changed_undone_and_saved(stack: TestStack, visit, craniu
     stack.wait_until(lambda: stack.psql(f"SELECT shown FROM annotations WHERE data_set_id = '{scan}'")[0][0] is False, what="the hidden set")
     saved.get_by_role("checkbox", name="Before surgery").click()
     expect(other.locator(MARKS)).to_have_count(4)
-    saved.get_by_role("checkbox", name="Everyone who can open this scan with their account sees it").click()
+    saved.get_by_role("checkbox", name="Everyone who can open this scan sees it").click()
     expect(saved.get_by_text("Shared marks are visible to people")).to_be_visible()
     saved.get_by_role("button", name="Rename Before surgery").click()
     saved.get_by_label("New name").fill("Then")
@@ -257,6 +262,89 @@ def with_marks_in_a_preset_a_link_and_a_picture(stack: TestStack, page: Page, sc
     page.get_by_role("button", name="Show Bare").click()
     page.get_by_role("dialog", name="Saved presets").get_by_role("button", name="Close").last.click()
     expect(page.locator(MARKS)).to_have_count(4)
+
+
+def green_pixels(rgb: bytes) -> int:
+    """Counts the pixels in the colour of the marks, which no part of a head has."""
+    red, green, blue = np.moveaxis(np.frombuffer(rgb, np.uint8).reshape(-1, 3).astype(int), 1, 0)
+    return int(((green - red > 25) & (green - blue > 25)).sum())
+
+
+def rgb_of(file: Path, number: int = 0) -> bytes:
+    """Decodes one frame of a video, or a picture."""
+    return subprocess.run(["ffmpeg", "-v", "error", "-i", file, "-vf", f"select=eq(n\\,{number})", "-frames:v", "1", "-f", "rawvideo",
+                           "-pix_fmt", "rgb24", "-"], check=True, capture_output=True).stdout
+
+
+@pytest.mark.nightly
+def test_marks_are_drawn_into_videos_and_large_pictures(stack: TestStack, visit, cranium: Path, pictures: Path, tmp_path: Path):
+    page = visit(small=True)
+    scan = Person.arrives(stack, page, "filmmarks").has_scan(cranium, "Head")
+    open_scan(stack, page, scan, 900, 700)
+    press(page, "Arrow", 0.5, 0.5, to=(0.5, 0.3))
+    window(page).get_by_role("radio", name="Green").check()
+    name_it(page, "Größe 5 mm")
+    press(page, "Circle", 0.42, 0.6, to=(0.46, 0.6))
+    window(page).get_by_role("button", name="Close Marks").click()
+
+    def saved(order: Locator, button: str, name: str) -> Path:
+        expect(order.get_by_role("checkbox", name="Draw 2 marks into the")).to_be_checked()
+        page.screenshot(path=pictures / f"marks-{name}-dialog.png")
+        with page.expect_download(timeout=VIDEO_PATIENCE_MS) as download:
+            order.get_by_role("button", name=button).click()
+        path = tmp_path / name
+        download.value.save_as(path)
+        hide_message(page)
+        return path
+
+    dialog = taking(page, "turntable")
+    ask_for_ten_frames(dialog)
+    video = saved(dialog, "Save the video", "video")
+    front, back = (green_pixels(rgb_of(video, number)) for number in (0, 5))
+    assert front > 300 and 0 < back < front, f"{front}, {back}: behind the head, the marks are faint and dashed"
+    dialog = taking(page, "picture")
+    dialog.get_by_label("Size").select_option("other")
+    dialog.get_by_label("Width").fill("32")
+    dialog.get_by_label("Height").fill("4112")
+    dialog.get_by_label("Quality", exact=True).select_option("quick")
+    drawn = green_pixels(rgb_of(saved(dialog, "Save the picture", "picture")))
+    # The lines of a large picture are as thick as on the screen, in proportion to its height.
+    assert drawn > 5 * front, (front, drawn)
+
+
+def test_a_visitor_with_a_link_sees_the_shared_marks(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(wide=True)
+    scan = Person.arrives(stack, page, "linkmarks").has_scan(cranium, "Head")
+    opens(stack, page, scan)
+    for name, place in (("Shared", 0.4), ("Private", 0.6)):
+        press(page, "Text", 0.5, place)
+        name_it(page, name)
+        saved = window(page)
+        saved.get_by_label("Name", exact=True).fill(name)
+        saved.get_by_role("button", name="Save", exact=True).click()
+        expect(saved.get_by_text(f"Saved as {name}.")).to_be_visible()
+    row = page.locator(".mark-sets > li", has_text="Shared").first
+    row.get_by_role("checkbox", name="Everyone who can open this scan sees it").click()
+    expect(row.get_by_text("also without an account through a link")).to_be_visible()
+    page.screenshot(path=pictures / "marks-shared.png")
+    window(page).get_by_role("button", name="Close Marks").click()
+    page.get_by_role("button", name="Share this scan").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_role("button", name="Create link").click()
+    link = dialog.get_by_label("Your new link").input_value()
+    visitor = visit(small=True)
+    visitor.goto(link)
+    visitor.get_by_role("button", name="View the scan").click()
+    wait_for_samples(stack, visitor, 1)
+    expect(visitor.locator(MARKS)).to_have_text("Shared")
+    visitor.screenshot(path=pictures / "marks-visitor.png")
+    # The visitor can hide them, but not change them.
+    row = window(visitor).locator(".mark-sets > li")
+    expect(row).to_have_count(1)
+    expect(row.get_by_role("button")).to_have_count(0)
+    row.get_by_role("checkbox", name="Shared").click()
+    expect(visitor.locator(MARKS)).to_have_count(0)
+    visitor.close()
 
 
 def test_marks_and_hands_in_a_live_session(stack: TestStack, visit, cranium: Path, pictures: Path):

@@ -87,8 +87,8 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
 
     anna.page.get_by_role("button", name="Share this scan").click()
     # Each choice says what else others see.
-    for section, sees in (("Share with specific people", "the title and the description of the scan and the names of its presets"),
-                          ("Share by link", "its title"), ("Share with everyone", "its title, its description and the names of its presets")):
+    for section, sees in (("Share with specific people", "the title and the description of the scan, the names of its presets, and the marks that you share"),
+                          ("Share by link", "its title and the marks that you share"), ("Share with everyone", "its title, its description, the names of its presets, and the marks that you share")):
         expect(dialog.get_by_role("region", name=section).get_by_text(f"They also see {sees}.")).to_be_visible()
     dialog.get_by_label("Description").fill("Seen from all sides.")
     dialog.get_by_label("Body part").select_option("head")

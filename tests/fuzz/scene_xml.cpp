@@ -14,7 +14,8 @@ using namespace diaphane;
 namespace {
 
 void written(const scene::XmlPreset& preset, std::string_view kept) {
-  const std::string xml = scene::preset_to_xml(preset.name, preset.scene, kept);
+  const std::string xml = scene::preset_to_xml(preset.name, preset.scene, kept,
+                                               preset.annotations ? &*preset.annotations : nullptr);
   // Indentation can make a document larger than the limit for presets, and then it is not read.
   if (xml.size() > scene::kMostXmlBytes) return;
   const auto again = scene::preset_from_xml(xml);

@@ -53,7 +53,9 @@ class Browser {
   void hear(const v1::ClientMessage& message) {
     now_ += std::chrono::milliseconds(60);
     if (message.has_slices()) return slices(message.slices());
-    if (message.has_key_view() || message.has_file()) return file(message);
+    if (message.has_key_view() || message.has_file_mark() || message.has_file()) {
+      return file(message);
+    }
     const Outcome outcome = receive(state_, connection_, message, now_);
     if (outcome.problem) MUST(!outcome.problem->message().empty());
     if (!state_.requested.scene) return;
@@ -97,6 +99,9 @@ class Browser {
     if (message.has_key_view()) {
       (void)note_key_view(keys_, message.key_view());
       MUST(keys_.size() <= kMostKeyViews);
+    } else if (message.has_file_mark()) {
+      (void)note_file_mark(marks_, message.file_mark());
+      MUST(marks_.size() <= kMostFileMarks);
     } else if (message.file().has_picture()) {
       const v1::LargePicture& picture = message.file().picture();
       if (check_picture(picture, keys_)) {
@@ -121,6 +126,7 @@ class Browser {
   SessionState state_;
   SliceRequestQueue queue_;
   std::vector<v1::Scene> keys_;
+  std::vector<v1::FileMark> marks_;
   TimePoint now_{std::chrono::seconds(1)};
   std::uint64_t connection_ = 0, epoch_ = 0;
 };

@@ -276,6 +276,7 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "shareWithPerson": lambda world, who: {"email": f"friend-{uuid.uuid4().hex}@example.org", "may": "view"},
     "createDataSetLink": lambda world, who: {"hours": 1},
     "followLink": lambda world, who: {"token": world.link()["token"]},
+    "followLinkAnnotations": lambda world, who: {"token": world.link()["token"]},
     "createVisit": lambda world, who: {"token": world.link()["token"], "key": uuid.uuid4().hex * 2},
     "setPublicName": lambda world, who: {"public_name": "A patient"},
     "createPreset": lambda world, who: {"name": "b", "scene": SCENE},

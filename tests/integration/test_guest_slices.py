@@ -17,6 +17,7 @@ from websockets.exceptions import ConnectionClosed
 
 BLANK = -32768
 NONE, CLIPPED, WHOLE = 0, 1, 2
+FOUR = 1  # SliceView.Layout
 SIZE, SPACING = 48, 2.0
 
 
@@ -112,6 +113,12 @@ def set_guest_slices(viewer: Viewer, on: bool) -> None:
     viewer.send(message)
 
 
+def show_slices(viewer: Viewer, on: bool = True) -> None:
+    message = ClientMessage()
+    message.slice_view.layout = FOUR if on else 0
+    viewer.send(message)
+
+
 def visitor(running, **what: str) -> Viewer:
     """A visitor keeps a slot for a while after leaving. This one comes back, like a page."""
     key = secrets.token_hex(32)
@@ -163,6 +170,9 @@ def test_allowed_slices_contain_only_the_inside_of_the_clip(running, one, scan, 
     guest = Guest(running, link_of(one, session)).join()
     assert audience(guest).slices == NONE
     set_guest_slices(owner, True)
+    assert audience(guest).slices == NONE
+    assert is_refused(ask_for_all(guest, AXIAL, 3)), "the presenter shows none"
+    show_slices(owner)
     there = guest.until("audience", condition=lambda who: who.slices == CLIPPED)
     assert there.guest_slices and not there.sets_guest_slices
     voxels, kept = textured(running, scan), inside(plane=plane)
@@ -180,7 +190,12 @@ def test_allowed_slices_contain_only_the_inside_of_the_clip(running, one, scan, 
     wish(guest, (AXIAL, 24), taken=2**62)
     piece = guest.until("slice")
     assert np.array_equal(values(piece), np.where(inside(-10, 10)[24], voxels[24], BLANK))
-    # Switched off, they end at once.
+    # They end when the presenter closes them, and when they are switched off.
+    show_slices(owner, False)
+    guest.until("audience", condition=lambda who: who.slices == NONE)
+    assert is_refused(ask_for_all(guest, AXIAL, 3))
+    show_slices(owner)
+    guest.until("audience", condition=lambda who: who.slices == CLIPPED)
     set_guest_slices(owner, False)
     guest.until("audience", condition=lambda who: who.slices == NONE)
     assert is_refused(ask_for_all(guest, AXIAL, 3))

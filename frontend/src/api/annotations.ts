@@ -33,6 +33,12 @@ export class AnnotationsApi {
     return ((await response.json()) as { readonly items: readonly AnnotationSet[] }).items;
   }
 
+  /** Those that the owner of a scan shares with everyone who has a link to it. */
+  async follow(token: string): Promise<readonly AnnotationSet[]> {
+    const response = await this.send("POST", "/v1/follow/annotations", { token });
+    return ((await response.json()) as { readonly items: readonly AnnotationSet[] }).items;
+  }
+
   async add(dataSet: string, name: string, content: unknown): Promise<AnnotationSet> {
     const response = await this.send("POST", `/v1/data-sets/${dataSet}/annotations`, { name, content });
     return (await response.json()) as AnnotationSet;

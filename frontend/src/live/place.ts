@@ -1,3 +1,4 @@
+import type { AnnotationSet } from "../api/annotations";
 import type { Api } from "../api/client";
 import { randomKey } from "../api/random_key";
 import { guestTicketSource, sessionTicketSource, visitTicketSource } from "../api/ticket_source";
@@ -10,6 +11,8 @@ export interface Place {
   readonly data_set_id: string | null;
   /** The scan whose pictures this person may load; a guest gets those of samples only. */
   readonly pictured_id: string | null;
+  /** Null if this person gets no saved marks; a guest of a live session sees those that its participants show. */
+  readonly savedMarks: (() => Promise<readonly AnnotationSet[]>) | null;
   ticketSource(known: string | null, session: (id: string) => void): TicketSource;
   /** Called when the user leaves the page. */
   leave(sessionId: string | null): void;
@@ -20,6 +23,7 @@ export function ownPlace(api: Api, dataSetId: string): Place {
     key: dataSetId,
     data_set_id: dataSetId,
     pictured_id: dataSetId,
+    savedMarks: () => api.annotations.list(dataSetId),
     ticketSource: (known, session) => sessionTicketSource(api, dataSetId, known, session),
     leave: (sessionId) => {
       if (sessionId !== null) void api.endSession(sessionId).catch(() => undefined);
@@ -32,6 +36,7 @@ export function guestPlace(api: Api, token: string, guest: Guest): Place {
     key: `guest.${token.slice(0, 8)}`,
     data_set_id: null,
     pictured_id: null,
+    savedMarks: null,
     ticketSource: () => guestTicketSource(api, token, guest.key, guest.name),
     leave: () => undefined,
   };
@@ -47,6 +52,7 @@ export function visitPlace(
     key: `visit.${key.slice(0, 8)}`,
     data_set_id: null,
     pictured_id: "data_set_id" in what ? what.data_set_id : null,
+    savedMarks: () => ("token" in what ? api.annotations.follow(what.token) : api.annotations.list(what.data_set_id)),
     ticketSource: () => visitTicketSource(api.sharing, what, key),
     leave: () => undefined,
   };

@@ -35,7 +35,6 @@ describe("saved marks", () => {
   const slices = { measures: signal<readonly Measure[]>([]), following: signal(false) };
   const memory = { unsavedSets: [] as readonly string[], hiddenSets: [] as readonly string[] };
   const api = {
-    list: () => Promise.resolve([...stored]),
     add: (_: string, name: string, content: unknown) => {
       const added = setOf("new", { name, content });
       stored.push(added);
@@ -53,6 +52,7 @@ describe("saved marks", () => {
   const opened = async () => {
     const library = new MarkLibrary({
       api,
+      list: () => Promise.resolve([...stored]),
       dataSetId: "scan",
       marks,
       slices,

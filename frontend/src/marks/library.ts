@@ -14,7 +14,8 @@ export const viewSet = "view";
 export const saveAfterMs = 1000;
 
 export interface LibraryParts {
-  readonly api: AnnotationsApi;
+  readonly api: Pick<AnnotationsApi, "add" | "change" | "remove">;
+  readonly list: () => Promise<readonly AnnotationSet[]>;
   readonly dataSetId: string;
   readonly marks: Marks;
   readonly slices: Pick<Slices, "measures" | "following">;
@@ -78,7 +79,7 @@ export class MarkLibrary {
   }
 
   async load(): Promise<void> {
-    const sets = await this.parts.api.list(this.parts.dataSetId);
+    const sets = await this.parts.list();
     batch(() => {
       this.sets.value = sets;
       this.forgetMissing(sets);
@@ -153,7 +154,7 @@ export class MarkLibrary {
 
   /** Merges what another window has saved meanwhile. Returns false if the set no longer exists. */
   private async merge({ id }: AnnotationSet): Promise<boolean> {
-    const sets = await this.parts.api.list(this.parts.dataSetId);
+    const sets = await this.parts.list();
     const theirs = sets.find((one) => one.id === id);
     if (!theirs) return false;
     const base = annotationsFromJson(JSON.parse(this.stored.get(id) ?? "{}")) ?? empty;

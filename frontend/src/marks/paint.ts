@@ -40,16 +40,37 @@ function paint(canvas: Canvas, shapes: Shapes, colour: string, look: Look, unit:
   canvas.setLineDash([]);
   if (shapes.text?.said) {
     const { at, anchor, said } = shapes.text;
-    canvas.font = `640 ${15 * unit}px system-ui, sans-serif`;
     canvas.textAlign = anchor === "middle" ? "center" : anchor;
-    canvas.direction = "ltr";
-    canvas.lineWidth = 4 * unit;
-    canvas.strokeStyle = dark;
-    canvas.strokeText(said, at.x, at.y);
-    canvas.fillStyle = colour;
-    canvas.fillText(said, at.x, at.y);
+    const text = { text: said, ...at };
+    drawText(canvas, text, unit, dark, true);
+    drawText(canvas, text, unit, colour, false);
   }
   canvas.restore();
+}
+
+interface PlacedText extends Point {
+  readonly text: string;
+}
+
+const outline = 4;
+/** The space beside a text that its outline needs. */
+export const marginOf = (unit: number): number => Math.ceil((outline / 2 + 1) * unit);
+
+export function textFont(unit: number): { readonly css: string; readonly size: number } {
+  const size = 15 * unit;
+  return { css: `640 ${size}px system-ui, sans-serif`, size };
+}
+
+/** Draws a text, or its outline. */
+export function drawText(canvas: Canvas, at: PlacedText, unit: number, colour: string, outlined: boolean): void {
+  canvas.font = textFont(unit).css;
+  canvas.direction = "ltr";
+  canvas.lineJoin = "round";
+  canvas.lineWidth = outline * unit;
+  canvas.strokeStyle = colour;
+  canvas.fillStyle = colour;
+  if (outlined) canvas.strokeText(at.text, at.x, at.y);
+  else canvas.fillText(at.text, at.x, at.y);
 }
 
 function strokes(canvas: Canvas, { line, head, circle, dot }: Shapes, colour: string, width: number): void {

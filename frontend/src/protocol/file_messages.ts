@@ -3,6 +3,8 @@ import {
   ClientMessageSchema,
   ErrorCurveQuerySchema,
   Video_Path as VideoPath,
+  FileMark_LabelSchema,
+  FileMarkSchema,
   FileRequestSchema,
   FileTakenSchema,
   VideoSchema,
@@ -11,6 +13,8 @@ import {
   LargePictureSchema,
   type ClientMessage,
 } from "./gen/api/proto/stream_pb";
+import type { Mark } from "../marks/mark";
+import { messageOf } from "./mark_messages";
 import type { Scene, Viewport } from "./messages";
 
 export { KernelReport_Origin as KernelOrigin } from "./gen/api/proto/stream_pb";
@@ -20,10 +24,27 @@ type Bytes = Uint8Array<ArrayBuffer>;
 const encoded = (body: ClientMessage["body"]): Bytes =>
   toBinary(ClientMessageSchema, create(ClientMessageSchema, { body }));
 
+/** A text as this page draws it: the coverage of its outline and, below it, of its letters. */
+export interface MarkLabel {
+  readonly width: number;
+  readonly height: number;
+  /** Compressed (zlib). */
+  readonly coverage: Bytes;
+  readonly scale: number;
+  readonly margin: number;
+  readonly baseline: number;
+}
+
+/** Marks that a worker draws into a file. `unit` is the size of a pixel of the page in pixels of the file. */
+export interface FileMarks {
+  readonly unit: number;
+  readonly items: readonly { readonly mark: Mark; readonly label: MarkLabel | null }[];
+}
+
 /**
  * The content of a file that a worker creates. `error` is the estimated error at which a frame or a band is finished.
  */
-export type FileOrder =
+export type FileOrder = { readonly marks?: FileMarks } & (
   | {
       readonly kind: "turntable" | "tour";
       readonly keys: readonly Scene[];
@@ -32,7 +53,8 @@ export type FileOrder =
       readonly framesPerSecond: number;
       readonly error: number;
     }
-  | { readonly kind: "picture"; readonly keys: readonly Scene[]; readonly size: Viewport; readonly error: number };
+  | { readonly kind: "picture"; readonly keys: readonly Scene[]; readonly size: Viewport; readonly error: number }
+);
 
 /** Returns the messages that order the file, in order. */
 export function encodeFile(order: FileOrder): Bytes[] {
@@ -53,8 +75,20 @@ export function encodeFile(order: FileOrder): Bytes[] {
             framesPerSecond: order.framesPerSecond,
           }),
         } as const);
-  return [...keys, encoded({ case: "file", value: create(FileRequestSchema, { kind }) })];
+  const marks = (order.marks?.items ?? []).map(({ mark, label }) => encodeFileMark(mark, label));
+  const request = create(FileRequestSchema, { kind, markUnit: order.marks?.unit ?? 0 });
+  return [...keys, ...marks, encoded({ case: "file", value: request })];
 }
+
+/** The worker needs no letters, because it gets the text as a picture. */
+const encodeFileMark = (mark: Mark, label: MarkLabel | null): Bytes =>
+  encoded({
+    case: "fileMark",
+    value: create(FileMarkSchema, {
+      mark: messageOf({ ...mark, text: "" }),
+      ...(label ? { label: create(FileMark_LabelSchema, label) } : {}),
+    }),
+  });
 
 export const encodeFileTaken = (seq: bigint): Bytes =>
   encoded({ case: "fileTaken", value: create(FileTakenSchema, { seq }) });

@@ -27,7 +27,7 @@ const encoded = (body: ClientMessage["body"]): Bytes =>
 
 const kinds: Readonly<Record<MarkKind, Kind>> = { arrow: Kind.ARROW, circle: Kind.CIRCLE, text: Kind.TEXT };
 
-const messageOf = ({ id, kind, colour, text, place, tail, radius }: Mark): MarkMessage =>
+export const messageOf = ({ id, kind, colour, text, place, tail, radius }: Mark): MarkMessage =>
   create(MarkSchema, {
     id,
     kind: kinds[kind],

@@ -14,7 +14,7 @@ export const live: Texts["live"] = {
   endLink: "Link deaktivieren",
   guestSlices: "Gäste dürfen auch die Schichten sehen",
   guestSlicesHint:
-    "Sie sehen dann die genauen Werte der Aufnahme, aber nichts, was Sie weggeschnitten haben. Sie können das jederzeit wieder ausschalten.",
+    "Solange Schichten präsentiert werden, sehen sie die genauen Werte der Aufnahme, aber nichts, was Sie weggeschnitten haben. Sie können das jederzeit wieder ausschalten.",
   guestPointers: "Gäste dürfen auf Stellen zeigen und Markierungen setzen",
   pointHint:
     "Alle sehen, worauf Sie zeigen. Bewegen Sie die Maus über das Bild oder eine Schicht, oder halten Sie einen Finger darauf.",

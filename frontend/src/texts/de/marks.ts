@@ -41,9 +41,9 @@ export const marks: Texts["marks"] = {
     added: (name) => `Als ${name} gespeichert. Spätere Änderungen werden von selbst gespeichert.`,
     content: (marks, measures) =>
       `${count(marks, "Markierung", "Markierungen")}, ${count(measures, "Messung", "Messungen")}`,
-    share: "Für alle sichtbar, die diese Aufnahme mit ihrem Konto öffnen können",
+    share: "Für alle sichtbar, die diese Aufnahme öffnen können",
     shareHint:
-      "Geteilte Markierungen sehen alle, mit denen die Aufnahme geteilt ist. Ist sie öffentlich, sind sie auch in der Galerie zu sehen.",
+      "Geteilte Markierungen sehen alle, mit denen Sie die Aufnahme teilen, auch ohne Konto über einen Link. Ist sie öffentlich, sind sie auch in der Galerie zu sehen.",
     shared: "geteilt",
     rename: "Umbenennen",
     renameOf: (name) => `${name} umbenennen`,
@@ -58,9 +58,13 @@ export const marks: Texts["marks"] = {
       : marks === 0
         ? `Mit ${count(measures, "Messung", "Messungen")}`
         : `Mit ${count(marks, "Markierung", "Markierungen")} und ${count(measures, "Messung", "Messungen")}`,
-  includeInPicture: (marks) => `${count(marks, "Markierung", "Markierungen")} ins Bild zeichnen`,
-  inPictureHint: "Die Texte der Markierungen sind dann im Bild zu lesen.",
-  notSoLarge: "Markierungen werden nur in Bilder mit bis zu 4096 Pixeln je Seite gezeichnet.",
-  notInVideos: "Videos enthalten keine Markierungen.",
+  inPicture: {
+    include: (marks) => `${count(marks, "Markierung", "Markierungen")} ins Bild zeichnen`,
+    hint: "Die Texte der Markierungen sind dann im Bild zu lesen.",
+  },
+  inVideo: {
+    include: (marks) => `${count(marks, "Markierung", "Markierungen")} ins Video zeichnen`,
+    hint: "Die Markierungen bleiben an ihren Stellen der Aufnahme. Ihre Texte sind dann im Video zu lesen.",
+  },
   includeHint: "Alle, die das öffnen, können die Texte der Markierungen lesen.",
 };

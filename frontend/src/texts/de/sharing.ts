@@ -37,7 +37,7 @@ export const sharing: Texts["sharing"] = {
   people: {
     title: "Mit bestimmten Personen teilen",
     lead: "Wir schicken ihnen eine E-Mail, in der Ihre E-Mail-Adresse und Ihr öffentlicher Name stehen. Sie melden sich mit der Adresse an, die Sie hier eingeben, und finden die Aufnahme unter „Mit mir geteilt“. Wir verraten niemandem, auch Ihnen nicht, ob es zu einer Adresse ein Konto gibt. Wer noch keines hat, findet die Einladung vor, sobald es angelegt ist.",
-    sees: "Sie sehen auch den Titel und die Beschreibung der Aufnahme und die Namen ihrer Voreinstellungen.",
+    sees: "Sie sehen auch den Titel und die Beschreibung der Aufnahme, die Namen ihrer Voreinstellungen und die Markierungen, die Sie teilen.",
     email: "E-Mail-Adresse",
     may: "Berechtigung",
     view: "Darf ansehen",
@@ -51,7 +51,7 @@ export const sharing: Texts["sharing"] = {
   links: {
     title: "Über einen Link teilen",
     lead: "Wer den Link hat, kann die ganze Aufnahme ohne Konto in 3D ansehen, bis der Link abläuft oder Sie ihn deaktivieren.",
-    sees: "Dabei ist auch der Titel zu sehen.",
+    sees: "Dabei sind auch der Titel und die Markierungen zu sehen, die Sie teilen.",
     slices: "Auch die Schichten zeigen",
     slicesHint:
       "Dann sind die genauen Werte der ganzen Aufnahme zu sehen, Schicht für Schicht. Um das später zu ändern, deaktivieren Sie den Link und erstellen einen neuen.",
@@ -72,7 +72,7 @@ export const sharing: Texts["sharing"] = {
   everybody: {
     title: "Mit allen teilen",
     lead: "Alle, die hier ein Konto haben, können die Aufnahme in der Galerie ansehen und Voreinstellungen dafür speichern.",
-    sees: "Sie sehen auch den Titel, die Beschreibung und die Namen der Voreinstellungen.",
+    sees: "Sie sehen auch den Titel, die Beschreibung, die Namen der Voreinstellungen und die Markierungen, die Sie teilen.",
     slices: "Auch die Schichten zeigen",
     slicesHint: "Dann sehen alle die genauen Werte der ganzen Aufnahme, Schicht für Schicht.",
     slicesShown: "Die Schichten werden jetzt auch gezeigt.",

@@ -13,7 +13,7 @@ export const live = {
   endLink: "Disable link",
   guestSlices: "Guests can also see the slices",
   guestSlicesHint:
-    "They then see the exact values of the scan, but nothing that you have cut away. You can turn this off at any time.",
+    "While the presenter shows slices, they see the exact values of the scan, but nothing that you have cut away. You can turn this off at any time.",
   guestPointers: "Guests can point and make marks",
   pointHint:
     "Everyone sees where you point. Move the mouse over the picture or a slice, or press and hold with a finger.",

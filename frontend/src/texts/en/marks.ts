@@ -41,9 +41,9 @@ export const marks = {
     added: (name: string) => `Saved as ${name}. Later changes are saved by themselves.`,
     content: (marks: number, measures: number) =>
       `${count(marks, "mark", "marks")}, ${count(measures, "measurement", "measurements")}`,
-    share: "Everyone who can open this scan with their account sees it",
+    share: "Everyone who can open this scan sees it",
     shareHint:
-      "Shared marks are visible to people with whom the scan is shared, and in the gallery if the scan is public.",
+      "Shared marks are visible to everyone with whom you share the scan, also without an account through a link, and in the gallery if the scan is public.",
     shared: "shared",
     rename: "Rename",
     renameOf: (name: string) => `Rename ${name}`,
@@ -59,9 +59,13 @@ export const marks = {
       : marks === 0
         ? `Include ${count(measures, "measurement", "measurements")}`
         : `Include ${count(marks, "mark", "marks")} and ${count(measures, "measurement", "measurements")}`,
-  includeInPicture: (marks: number) => `Draw ${count(marks, "mark", "marks")} into the picture`,
-  inPictureHint: "The texts of the marks can then be read in the picture.",
-  notSoLarge: "Marks are drawn into pictures of up to 4096 pixels per side.",
-  notInVideos: "Videos don’t contain marks.",
+  inPicture: {
+    include: (marks: number) => `Draw ${count(marks, "mark", "marks")} into the picture`,
+    hint: "The texts of the marks can then be read in the picture.",
+  },
+  inVideo: {
+    include: (marks: number) => `Draw ${count(marks, "mark", "marks")} into the video`,
+    hint: "The marks stay at their points of the scan, and their texts can be read in the video.",
+  },
   includeHint: "Everyone who opens it can read the texts of the marks.",
 } as const;

@@ -34,7 +34,7 @@ export const sharing = {
   people: {
     title: "Share with specific people",
     lead: "We’ll send them an email that shows your email address and your public name. They sign in with the address you enter here and find the scan under “Shared with me”. We don’t tell anyone, including you, whether an address has an account. If they don’t have an account yet, the invitation waits for them.",
-    sees: "They also see the title and the description of the scan and the names of its presets.",
+    sees: "They also see the title and the description of the scan, the names of its presets, and the marks that you share.",
     email: "Email address",
     may: "Permission",
     view: "Can view",
@@ -48,7 +48,7 @@ export const sharing = {
   links: {
     title: "Share by link",
     lead: "Anyone with the link can view the whole scan in 3D, without an account, until the link expires or you disable it.",
-    sees: "They also see its title.",
+    sees: "They also see its title and the marks that you share.",
     slices: "Also show the slices",
     slicesHint:
       "Viewers then see the exact values of the whole scan, slice by slice. To change this later, disable the link and create a new one.",
@@ -69,7 +69,7 @@ export const sharing = {
   everybody: {
     title: "Share with everyone",
     lead: "Everyone with an account here can view the scan in the gallery and save presets for it.",
-    sees: "They also see its title, its description and the names of its presets.",
+    sees: "They also see its title, its description, the names of its presets, and the marks that you share.",
     slices: "Also show the slices",
     slicesHint: "Everyone then sees the exact values of the whole scan, slice by slice.",
     slicesShown: "The slices are now shown too.",

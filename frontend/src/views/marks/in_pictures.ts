@@ -20,6 +20,10 @@ export function marksInPicture({ marks, audience }: ViewerSession): readonly Pai
   ];
 }
 
+/** The size of a pixel of the page in a saved picture, so that lines and texts are as large as on the screen. */
+export const unitOf = (viewport: Area, size: Area): number =>
+  Math.max(0.5, (size.height * devicePixelRatio) / viewport.height);
+
 /**
  * Draws the marks as they are now, even if they change before the picture is finished. `asShown`: the picture is that of
  * the screen, where a follower's has borders.
@@ -31,12 +35,12 @@ export function decorationOf(session: ViewerSession, asShown = false): Decorate 
   const { follows, freeCamera } = roleOf(session.audience.value);
   const shown = session.pictures.picture.value;
   const hidden = session.marks.hidden.value;
-  const shownHeight = session.viewport.height / devicePixelRatio;
+  const viewport = session.viewport;
   return (canvas, size) => {
     if (!eye) return;
     const place = asShown && shown ? pictureIn(size, shown, follows && !freeCamera) : { x: 0, y: 0, ...size };
     const view = viewOfPicture(eye, place, hidden);
-    paintMarks(canvas, marks, view, size, Math.max(0.5, size.height / shownHeight));
+    paintMarks(canvas, marks, view, size, unitOf(viewport, size));
   };
 }
 

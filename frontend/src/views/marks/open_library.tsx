@@ -1,12 +1,13 @@
 import { useEffect } from "preact/hooks";
 import type { DataSet } from "../../api/types";
+import type { Place } from "../../live/place";
 import { MarkLibrary } from "../../marks/library";
 import type { ViewerSession } from "../../video/viewer_session";
 import { useApp } from "../state";
 
 export interface OpenLibraryProps {
   readonly session: ViewerSession;
-  readonly dataSetId: string;
+  readonly place: Pick<Place, "data_set_id" | "savedMarks">;
   /** The facts about the scan, which only users with an account get. */
   readonly set: DataSet | null;
   /** Whether the viewer has an account that may open the scan. */
@@ -14,17 +15,18 @@ export interface OpenLibraryProps {
 }
 
 /** Loads the marks that are saved with the scan, and saves their changes. */
-export function OpenLibrary({ session, dataSetId, set, own }: OpenLibraryProps) {
+export function OpenLibrary({ session, place, set, own }: OpenLibraryProps) {
   const { api } = useApp();
   // The slices restore the measurements of this tab first.
   const ready = session.volume.value !== null && (set !== null || !own);
   const saves = set !== null && (set.owned || set.role === "shared-edit" || set.is_public);
   const shares = set?.owned ?? false;
   useEffect(() => {
-    if (!ready) return;
+    if (!ready || !place.savedMarks) return;
     const library = new MarkLibrary({
       api: api.annotations,
-      dataSetId,
+      list: place.savedMarks,
+      dataSetId: place.data_set_id ?? "", // visitors without an account save nothing
       marks: session.marks,
       slices: session.slices,
       saves,
@@ -44,6 +46,6 @@ export function OpenLibrary({ session, dataSetId, set, own }: OpenLibraryProps) 
       session.library.value = null;
       library.stop();
     };
-  }, [api, session, dataSetId, ready, saves, shares]);
+  }, [api, session, place, ready, saves, shares]);
   return null;
 }

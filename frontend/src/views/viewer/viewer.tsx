@@ -106,8 +106,8 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       ) : null}
       <ViewerDialogs {...common} open={open} close={() => setOpen(null)} onChange={onChange} shot={shot} />
       {own && session ? <RecordedInteraction session={session} /> : null}
-      {session && place.pictured_id !== null && !cutting ? (
-        <OpenLibrary session={session} dataSetId={place.pictured_id} set={set} own={own} />
+      {session && place.savedMarks && !cutting ? (
+        <OpenLibrary session={session} place={place} set={set} own={own} />
       ) : null}
     </div>
   );

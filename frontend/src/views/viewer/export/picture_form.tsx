@@ -1,13 +1,14 @@
 import { useState } from "preact/hooks";
-import type { Viewport } from "../../../protocol/messages";
+import type { Scene, Viewport } from "../../../protocol/messages";
 import { t } from "../../../texts";
 import { longestLargeSide } from "../../../video/file_shot";
 import { renderersError, shortestSide } from "../../../video/still_shot";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
 import { Field } from "../../field";
+import { DrawMarks } from "../../marks/draw_marks";
+import { fileMarksOf } from "../../marks/file_marks";
 import { decorated, decorationOf, marksInPicture } from "../../marks/in_pictures";
-import { Switch } from "../settings/controls";
 import { saveFile } from "./save_file";
 import type { ExportOrder } from "./shot";
 import { isHeldByPage, large, largest, poster, typedSize } from "./shot_size";
@@ -57,7 +58,7 @@ export function PictureForm(props: PictureFormProps) {
           </p>
         </>
       )}
-      <MarksChoice session={props.session} form={form} />
+      <DrawMarks session={props.session} on={form.withMarks} change={form.setWithMarks} />
       <p>
         <button type="submit" class="button button-main" disabled={waits}>
           {waits ? text.ofPicture.rendering : text.save}
@@ -128,12 +129,15 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
     setWrong(chosen === null);
     if (!chosen || !scene) return;
     const error = errors[quality];
-    const decoration = drawn() ? { decorate: decorationOf(session) } : {};
-    if (isHeldByPage(chosen)) onExport({ kind: "still", scene, size: chosen, error, ...decoration });
-    else onExport({ kind: "picture", keys: [scene], size: chosen, error: error || renderersError });
+    if (isHeldByPage(chosen)) {
+      const decoration = drawn() ? { decorate: decorationOf(session) } : {};
+      onExport({ kind: "still", scene, size: chosen, error, ...decoration });
+    } else void saveLarge(scene, chosen, error);
   };
-  const shown = size === "other" ? typedSize(typed.width, typed.height) : sizes[size];
-  const drawsMarks = shown === null || isHeldByPage(shown);
+  const saveLarge = async (scene: Scene, chosen: Viewport, error: number) => {
+    const marks = drawn() ? { marks: await fileMarksOf(session, chosen) } : {};
+    onExport({ kind: "picture", keys: [scene], size: chosen, error: error || renderersError, ...marks });
+  };
   return {
     sizes,
     size,
@@ -147,30 +151,7 @@ function usePictureForm({ session, onExport }: PictureFormProps) {
     submit,
     withMarks,
     setWithMarks,
-    drawsMarks,
   };
-}
-
-interface MarksChoiceProps {
-  readonly session: ViewerSession;
-  readonly form: Pick<ReturnType<typeof usePictureForm>, "withMarks" | "setWithMarks" | "drawsMarks">;
-}
-
-/** Whether the marks are drawn into the picture. Absent if there are none. */
-function MarksChoice({ session, form }: MarksChoiceProps) {
-  const count = marksInPicture(session).length;
-  if (count === 0) return null;
-  return (
-    <>
-      <Switch
-        label={t.marks.includeInPicture(count)}
-        on={form.withMarks && form.drawsMarks}
-        disabled={!form.drawsMarks}
-        change={form.setWithMarks}
-      />
-      <p class="field-hint">{form.drawsMarks ? t.marks.inPictureHint : t.marks.notSoLarge}</p>
-    </>
-  );
 }
 
 interface OtherSizeProps {

@@ -6,6 +6,7 @@ import { t } from "../../../texts";
 import { longestVideoS } from "../../../video/file_shot";
 import type { SceneEditor } from "../../../video/scene_editor";
 import type { ViewerSession } from "../../../video/viewer_session";
+import { fileMarksOf } from "../../marks/file_marks";
 import { useApp } from "../../state";
 import { sceneOfPreset } from "../preset_scene";
 import {
@@ -34,6 +35,7 @@ export interface VideoEntries {
   readonly seconds: string;
   readonly rate: string;
   readonly views: readonly KeyView[];
+  readonly withMarks: boolean;
 }
 
 interface Faults {
@@ -41,7 +43,14 @@ interface Faults {
   readonly form: string;
 }
 
-const firstEntries: VideoEntries = { size: "medium", quality: "quick", seconds: "8", rate: "25", views: [] };
+const firstEntries: VideoEntries = {
+  size: "medium",
+  quality: "quick",
+  seconds: "8",
+  rate: "25",
+  views: [],
+  withMarks: true, // as on the screen
+};
 const noFaults: Faults = { seconds: "", form: "" };
 
 /** The entries of the video form, their errors, and the resulting order. */
@@ -68,7 +77,8 @@ export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
       const keys = kind === "tour" ? await keyScenes(app.api.presets, chosen, session.editor, scene) : [scene];
       const size = videoSize(session.viewport, videoSides[entries.size]);
       const error = videoErrors[entries.quality];
-      if (here.current) onExport(videoOrder({ kind, keys, size, seconds, rate: Number(entries.rate), error }));
+      const marks = entries.withMarks ? await fileMarksOf(session, size) : { unit: 1, items: [] };
+      if (here.current) onExport(videoOrder({ kind, keys, size, seconds, rate: Number(entries.rate), error, marks }));
     } catch (thrown) {
       setFaults({ seconds: "", form: app.explain(thrown) });
     }

@@ -2,6 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { t } from "../../../texts";
 import { Choice } from "../../choice";
 import { Field } from "../../field";
+import { DrawMarks } from "../../marks/draw_marks";
 import { fault as faulty } from "../../form";
 import {
   renderingSeconds,
@@ -62,6 +63,7 @@ export function VideoForm(props: VideoFormProps) {
         />
       </div>
       <SizeAndQuality session={session} entries={entries} set={set} />
+      <DrawMarks video session={session} on={entries.withMarks} change={(withMarks) => set({ withMarks })} />
       <FaultOrHint fault={faults.form} entries={entries} session={session} />
       <p>
         <button type="submit" class="button button-main" disabled={busy || preparing}>
@@ -119,9 +121,7 @@ function FaultOrHint({ fault, entries, session }: FaultOrHintProps) {
   const time = shown && renderingSeconds(shown, frames, size, videoErrors[entries.quality], device);
   return (
     <>
-      <p class="field-hint">
-        {t.take.videoHint(frames)} {t.marks.notInVideos}
-      </p>
+      <p class="field-hint">{t.take.videoHint(frames)}</p>
       {frames > 0 ? <p>{t.take.videoTime(time)}</p> : null}
     </>
   );

@@ -49,6 +49,7 @@ test("the number of frames is the length times the frame rate", () => {
     seconds: 8,
     rate: 25,
     error: 0.05,
+    marks: { unit: 1, items: [] },
   });
   expect(order).toMatchObject({ kind: "turntable", frames: 200, framesPerSecond: 25 });
 });

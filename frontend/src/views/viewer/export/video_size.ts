@@ -1,5 +1,5 @@
 import type { PresetInfo } from "../../../api/types";
-import type { FileOrder } from "../../../protocol/file_messages";
+import type { FileMarks, FileOrder } from "../../../protocol/file_messages";
 import type { Scene, Viewport } from "../../../protocol/messages";
 import type { PictureFacts } from "../../../video/picture_facts";
 import { longestVideoS, longestVideoSide } from "../../../video/file_shot";
@@ -80,13 +80,15 @@ export interface VideoChoices {
   readonly seconds: number;
   readonly rate: number;
   readonly error: number;
+  readonly marks: FileMarks;
 }
 
-export const videoOrder = ({ kind, keys, size, seconds, rate, error }: VideoChoices): FileOrder => ({
+export const videoOrder = ({ kind, keys, size, seconds, rate, error, marks }: VideoChoices): FileOrder => ({
   kind,
   keys,
   size,
   frames: seconds * rate,
   framesPerSecond: rate,
   error,
+  marks,
 });
