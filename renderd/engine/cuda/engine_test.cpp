@@ -285,5 +285,45 @@ TEST_F(CudaEngineTest, PartsAndBandsReproduceTheSingleDeviceImage) {
   }
 }
 
+/// A band brings its guides through host memory as well as in device memory.
+TEST_F(CudaEngineTest, BandsBringTheGuidesOfTheDenoiser) {
+  const auto never = [] { return false; };
+  const auto prepared = [&](bool guided, const Share& share) {
+    auto made = renderer(volume_);
+    made->prepare_denoising(guided);
+    EXPECT_TRUE(made->set_scene(full_scene(), kCanvas));
+    EXPECT_TRUE(made->set_share(share));
+    EXPECT_TRUE(made->render(4, never));
+    return made;
+  };
+  const auto smoothed = [](FrameRenderer& one) {
+    PictureRgbF picture;
+    EXPECT_EQ(one.radiance_denoised(picture), true);
+    return picture.pixels;
+  };
+  const auto alone = smoothed(*prepared(true, {}));
+  const auto difference = [&](bool guided, bool here) {
+    const auto merged = prepared(true, {.first_row = 0, .last_row = 32});
+    const auto other = prepared(guided, {.first_row = 32});
+    FilmPart part;
+    const auto taken = here ? other->take_film_here(part) : other->take_film(part);
+    EXPECT_TRUE(taken && *taken);
+    EXPECT_TRUE(merged->merge_film(part));
+    const auto picture = smoothed(*merged);
+    double most = 0;
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+      const double expected = static_cast<double>(alone[i]);
+      most =
+          std::max(most, std::abs(static_cast<double>(picture[i]) - expected) / (expected + 1e-3));
+    }
+    return most;
+  };
+  for (const bool here : {false, true}) {
+    // The filter weighs by the noise, of which parts keep 2 bits (PackedPixel).
+    EXPECT_LT(difference(true, here), 0.05) << here;
+    EXPECT_GT(difference(false, here), 0.05) << "a band without guides is not smoothed";
+  }
+}
+
 }  // namespace
 }  // namespace diaphane::render::cuda
