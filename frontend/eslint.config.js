@@ -43,6 +43,11 @@ export default tseslint.config(
     },
   },
   {
+    // A new light shape must not fall into a default unseen.
+    files: ["src/scene/*.ts"],
+    rules: { "@typescript-eslint/switch-exhaustiveness-check": "error" },
+  },
+  {
     // No function is exempt. An exemption is a block of its own after this one, with its file and its reason.
     files: ["src/**/*.{ts,tsx}"],
     ignores: ["src/**/*.test.{ts,tsx}"],

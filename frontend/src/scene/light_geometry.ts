@@ -23,7 +23,8 @@ export function middleOf(light: Light): Vec3 | null {
         vector(shape.value.corner),
         scale(add(add(vector(shape.value.u), vector(shape.value.v)), vector(shape.value.w)), 0.5),
       );
-    default:
+    case "environment":
+    case undefined:
       return null;
   }
 }
@@ -95,7 +96,8 @@ export function placed(light: Light, towards: Vec3, distance: number, target = t
       const corner = add(vector(shape.value.corner), subtract(middle, old));
       return { ...light, shape: { case: "box", value: { ...shape.value, corner: message(corner) } } };
     }
-    default:
+    case "environment":
+    case undefined:
       return light;
   }
 }

@@ -9,7 +9,6 @@ import {
   aspectOf,
   colourLight,
   dimLight,
-  facesMiddle,
   intensityOf,
   lockLight,
   placeLight,
@@ -22,7 +21,7 @@ import {
   turnLight,
   turnLightTo,
 } from "./lights";
-import { someScene } from "./testing";
+import { facesMiddle, someScene } from "./testing";
 
 const light = (scene: Scene, index: number): Light => {
   const found = scene.lights[index];

@@ -1,6 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import type { CameraPose } from "../input/camera";
-import { add, cross, length, normalize, scale, subtract, vec3, type Vec3 } from "../input/vec3";
+import { add, length, normalize, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import {
   BoxLightSchema,
   DiskLightSchema,
@@ -157,7 +157,8 @@ export function sizeOf(light: Light): number | null {
       return 2 * shape.value.radius;
     case "box":
       return Math.max(...[shape.value.u, shape.value.v, shape.value.w].map((edge) => length(vector(edge))));
-    default:
+    case "environment":
+    case undefined:
       return null;
   }
 }
@@ -250,7 +251,8 @@ export function lockLight(scene: Scene, index: number, locked: boolean, pose: Ca
           v: way(shape.value.v),
           w: way(shape.value.w),
         });
-      default:
+      case "environment":
+      case undefined:
         return { ...light, cameraLocked: locked };
     }
   });
@@ -343,14 +345,3 @@ export const removeLight = (scene: Scene, index: number): Scene => ({
   ...scene,
   lights: without(scene.lights, index),
 });
-
-/** Whether a rectangle shines towards the middle. For tests. */
-export function facesMiddle(light: Light): boolean {
-  const middle = middleOf(light);
-  if (light.shape.case !== "rectangle" || !middle) return false;
-  const normal = cross(vector(light.shape.value.u), vector(light.shape.value.v));
-  return (
-    length(cross(normal, middle)) < 1e-6 * length(normal) * length(middle) &&
-    normal.x * middle.x + normal.y * middle.y + normal.z * middle.z < 0
-  );
-}

@@ -1,5 +1,5 @@
 import { create, type MessageInitShape } from "@bufbuild/protobuf";
-import { vec3, type Vec3 } from "../input/vec3";
+import { cross, length, vec3, type Vec3 } from "../input/vec3";
 import {
   ChannelSchema,
   LightSchema,
@@ -9,6 +9,7 @@ import {
   type Rgb,
   type Scene,
 } from "../protocol/gen/api/proto/scene_pb";
+import { middleOf, vector } from "./light_geometry";
 
 const someChannels: MessageInitShape<typeof ChannelSchema>[] = [
   {
@@ -221,4 +222,15 @@ function checkLight(light: Light, check: Findings): void {
     check.must(radius === 0 || (radius >= 1e-6 && radius <= 1e7), `radius ${radius}`);
     if (shape.case === "disk") check.must(long(shape.value.normal) >= 1e-6, "normal");
   }
+}
+
+/** Whether a rectangle shines towards the middle. */
+export function facesMiddle(light: Light): boolean {
+  const middle = middleOf(light);
+  if (light.shape.case !== "rectangle" || !middle) return false;
+  const normal = cross(vector(light.shape.value.u), vector(light.shape.value.v));
+  return (
+    length(cross(normal, middle)) < 1e-6 * length(normal) * length(middle) &&
+    normal.x * middle.x + normal.y * middle.y + normal.z * middle.z < 0
+  );
 }

@@ -121,7 +121,6 @@ export const settings: Texts["settings"] = {
     tooMany: (most) =>
       `Ein Bild kann höchstens ${most} Lichter haben. Entfernen Sie eines, bevor Sie ein weiteres hinzufügen.`,
     kinds: { rectangle: "Quadrat", disk: "Scheibe", sphere: "Kugel", environment: "Umgebungslicht", box: "Quader" },
-    names: { rectangle: "Quadrat", disk: "Scheibe", sphere: "Kugel", environment: "Umgebungslicht", box: "Quader" },
     none: "Es gibt kein Licht, deshalb ist das Bild dunkel.",
     remove: (name) => `${name} entfernen`,
     brightness: "Helligkeit",

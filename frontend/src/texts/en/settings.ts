@@ -119,7 +119,6 @@ export const settings = {
     add: "Add light",
     tooMany: (most: number) => `A picture can have at most ${most} lights. Remove one before you add another.`,
     kinds: { rectangle: "Square", disk: "Disk", sphere: "Sphere", environment: "Surrounding light", box: "Box" },
-    names: { rectangle: "Square", disk: "Disk", sphere: "Sphere", environment: "Surrounding light", box: "Box" },
     none: "There are no lights, so the picture is dark.",
     remove: (name: string) => `Remove ${name}`,
     brightness: "Brightness",

@@ -25,7 +25,7 @@ export function LightWindow({ session, leads, picture }: PictureWindowProps) {
   const { apply } = sceneEdits(session.editor);
   const add = (shape: LightKind) => {
     const radius = volume ? reachOf(boundsOf(volume)) : 200;
-    apply("light added", (now) => lights.addLight(now, shape, text.names[shape], radius));
+    apply("light added", (now) => lights.addLight(now, shape, text.kinds[shape], radius));
     choose(scene.lights.length);
   };
   return (
