@@ -64,7 +64,7 @@ void LiveSession::carry_out(const effect::OpenCamera& effect) {
 }
 
 void LiveSession::carry_out(const effect::EnterCamera& effect) {
-  if (const auto own = camera(effect.session)) own->take(effect.connection, effect.hello);
+  if (const auto own = camera(effect.session)) own->dispatch(effect.connection, effect.hello);
   const Turn turn(*this);
   close_unused_lanes();
   broadcast_participants();
@@ -72,7 +72,7 @@ void LiveSession::carry_out(const effect::EnterCamera& effect) {
 }
 
 void LiveSession::carry_out(const effect::ForwardToCamera& effect) {
-  if (const auto own = camera(effect.session)) own->take(effect.connection, effect.message);
+  if (const auto own = camera(effect.session)) own->dispatch(effect.connection, effect.message);
 }
 
 std::shared_ptr<LiveSession> LiveSession::seen_by(std::uint64_t connection) {
