@@ -29,7 +29,7 @@ class EnvironmentStore {
   virtual ~EnvironmentStore() = default;
   /// Newest first.
   virtual Result<std::vector<Environment>> of(const std::string& owner_id) = 0;
-  /// kNotFound.
+  /// Returns kNotFound if there is no environment with this ID.
   virtual Result<Environment> find(const std::string& id) = 0;
   /// Returns kTooMany if the owner would have more than `most`, and kConflict if they have one with
   /// this content.

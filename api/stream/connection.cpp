@@ -134,8 +134,7 @@ void Connection::answer_plainly(http::status status, std::string_view sentence,
                     });
 }
 
-// Discards the client's bytes. Closing a socket with unread bytes resets the connection, and the
-// client might lose the response.
+// Discards the client's bytes, because closing with unread bytes would reset the connection.
 void Connection::linger(std::size_t left) {
   ErrorCodeOf ignored;
   auto& tcp = beast::get_lowest_layer(socket_);
@@ -165,8 +164,7 @@ void Connection::accept(const Request& request) {
     self->parser_.reset();
     if (error) return self->hub_.metrics.refused("handshake");
     self->accepted_ = true;
-    // The buffer is larger than the largest message, so that Beast's message limit, which sends a
-    // close code, applies first.
+    // Larger than the message limit, which then applies first and responds with a close code.
     self->buffer_ = beast::flat_buffer(2 * self->hub_.limits.message_bytes);
     self->redeem_ticket();
   });

@@ -49,8 +49,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
   using ErrorCodeOf = boost::beast::error_code;
 
-  // Declared first and so destroyed after the socket: the hub counts the connection until it
-  // closes.
+  // Declared first, thus destroyed after the socket: the hub counts the connection until then.
   struct Presence {
     std::shared_ptr<Hub> hub;
     Connection* connection;
