@@ -21,7 +21,7 @@ struct SignUp {
   std::string user_id;
   std::string email;
   std::string email_key;
-  std::string token_hash;  ///< secrets.h, blake2b
+  std::string token_hash;  ///< blake2b of the token (secrets.h)
   Time token_expires_at;
   std::string consent_version;  ///< version of the privacy notice that the user agreed to
   Mail welcome;                 ///< with the link
@@ -62,7 +62,7 @@ struct Quota {
 
 /// Allows at most `count` attempts for `key` within `window`.
 struct AttemptLimit {
-  std::string key_hash;  ///< secrets.h, blake2b
+  std::string key_hash;  ///< blake2b of what is counted (attempts.h)
   int count = 0;
   std::chrono::seconds window{0};
 };

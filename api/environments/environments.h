@@ -27,7 +27,7 @@ struct Environment {
 class EnvironmentStore {
  public:
   virtual ~EnvironmentStore() = default;
-  /// Newest first.
+  /// Returns the owner's environments, newest first.
   virtual Result<std::vector<Environment>> of(const std::string& owner_id) = 0;
   /// Returns kNotFound if there is no environment with this ID.
   virtual Result<Environment> find(const std::string& id) = 0;
@@ -92,7 +92,7 @@ class Environments {
   const Signals& signals_;
   const std::string directory_;
   std::mutex mutex_;
-  std::vector<std::string> importing_;  ///< users
+  std::vector<std::string> importing_;  ///< IDs of the users whose import is running
 };
 
 }  // namespace diaphane::api

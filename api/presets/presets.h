@@ -30,7 +30,7 @@ struct Preset {
   std::optional<Time> pictured_at;  ///< when its thumbnail was rendered; empty if there is none yet
   Time created_at, updated_at;
   std::string scene;        ///< Protobuf JSON of a checked Scene; empty in lists
-  std::string annotations;  ///< Protobuf JSON of checked Annotations; empty: none, and in lists
+  std::string annotations;  ///< Protobuf JSON of checked Annotations; empty if none or in lists
   std::string kept_xml;     ///< the source document, if it contains more than the scene
 };
 

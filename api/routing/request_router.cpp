@@ -119,7 +119,7 @@ bool is_header_text(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
 }
 
-/// Without consent, users can still read and delete what the server stores about them.
+/// Returns whether a route needs consent. Without it, users can still read and delete their data.
 bool needs_consent(const Route& route) {
   const bool consenting =
       route.access == Access::kPerson || route.access == Access::kPersonOrOperator;

@@ -47,7 +47,7 @@ class Thumbnails {
   std::mutex mutex_;
   std::condition_variable done_;
   std::set<std::string> rendering_;  ///< paths of thumbnails being rendered
-  int waiting_ = 0;                  ///< requests
+  int waiting_ = 0;                  ///< number of waiting requests
 };
 
 }  // namespace diaphane::api

@@ -50,10 +50,10 @@ inline constexpr std::chrono::hours kSameView{1};
 struct View {
   ViewRoute route = ViewRoute::kOwner;
   std::string viewer;        ///< ID of an account, a visit or a participant
-  std::string link_id = {};  ///< ViewRoute::kLink
+  std::string link_id = {};  ///< ID of the link, for ViewRoute::kLink
   Client client;
 
-  /// Whether `viewer` is an account.
+  /// Returns whether `viewer` is an account.
   bool by_account() const { return route != ViewRoute::kLink && route != ViewRoute::kLiveLink; }
 };
 
@@ -65,7 +65,7 @@ struct ViewEntry {
   std::string id;
   ViewRoute route = ViewRoute::kOwner;
   std::string email_key;                ///< ViewRoute::kPerson: the address that the owner entered
-  std::optional<Time> link_created_at;  ///< ViewRoute::kLink
+  std::optional<Time> link_created_at;  ///< creation of the link, for ViewRoute::kLink
   std::string network;                  ///< coarse_network, or empty if unknown
   std::string browser;
   Time first_at, last_at;

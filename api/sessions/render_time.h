@@ -46,7 +46,7 @@ class RenderTimeStore {
 class RenderTime {
  public:
   static constexpr std::chrono::minutes kGrace{2};
-  /// For this long after the grace period, ending the sessions is retried.
+  /// Time after the grace period during which ending the sessions is retried.
   static constexpr std::chrono::minutes kSearchWindow{15};
 
   RenderTime(RenderTimeStore& store, SpentRenderTime& spent, Placement& placement,

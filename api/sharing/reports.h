@@ -13,7 +13,8 @@
 
 namespace diaphane::api {
 
-/// The reasons for a report: it identifies a person, belongs to someone else, or is offensive.
+/// The reasons for a report: the item identifies a person, belongs to someone else, is offensive,
+/// or another reason that the reporter describes.
 inline constexpr std::array<std::string_view, 4> kReportReasons{"identifies", "not_theirs",
                                                                 "offensive", "other"};
 

@@ -17,7 +17,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-// Enough for two frames on a slow connection. A larger buffer would only add latency.
+// Holds two frames on a slow connection. A larger buffer would only add latency.
 constexpr int kSendBufferBytes = 512 * 1024;
 
 // Limits for discarding the client's remaining bytes, so that it receives the refusal (see linger).
@@ -96,7 +96,7 @@ void Connection::on_handshake(ErrorCodeOf error) {
     if (is_http && error != http::error::end_of_stream && error != http::error::partial_message) {
       return answer_plainly(http::status::bad_request, "The request is malformed.", "handshake");
     }
-    return hub_.metrics.refused("handshake");  // too slow or gone
+    return hub_.metrics.refused("handshake");  // the client was too slow or has left
   }
   const Request& request = parser_->get();
   // A browser never sends bytes before our response.
@@ -164,7 +164,7 @@ void Connection::accept(const Request& request) {
     self->parser_.reset();
     if (error) return self->hub_.metrics.refused("handshake");
     self->accepted_ = true;
-    // Larger than the message limit, which then applies first and responds with a close code.
+    // The buffer exceeds the message limit, so that the limit applies first and sends a close code.
     self->buffer_ = beast::flat_buffer(2 * self->hub_.limits.message_bytes);
     self->redeem_ticket();
   });

@@ -39,7 +39,7 @@ class Gateway {
   static Result<std::unique_ptr<Gateway>> start(Options options, const GatewayLimits& limits,
                                                 Placement& placement, Tickets& tickets,
                                                 Workers& workers, prometheus::Registry& registry);
-  /// Like stop() without grace.
+  /// Stops without a grace period.
   ~Gateway();
 
   std::uint16_t port() const;
