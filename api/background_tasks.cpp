@@ -46,7 +46,7 @@ BackgroundTasks::BackgroundTasks(const Backends& on, Services& services, MailTra
   on.signals.subscribe(Signal::kDisposal, [this] { dispose_.wake(); });
   on.signals.subscribe(Signal::kPicture, [this] { make_pictures_.wake(); });
   on.signals.subscribe(Signal::kExport, [this] { make_exports_.wake(); });
-  // At once, so that the pictures have stopped when the request is answered.
+  // Ends the streams within the request, so that the pictures have stopped when it is answered.
   on.signals.subscribe(Signal::kSignOut,
                        [this] { services_.account.changes.end_expired_browsers(); });
 }
@@ -55,7 +55,7 @@ void BackgroundTasks::delete_disposed() {
   (void)stores_.data_sets.expire_uploads(clock_.wall());
   const int gone = disposer_.dispose();
   metrics_.disposed(gone);
-  // a picture may have waited for its predecessor's deletion
+  // A thumbnail may have waited for the deletion of its predecessor.
   if (gone > 0) make_pictures_.wake();
   // Removes partial volumes that a killed ingestd left behind, even while no ingestd runs.
   (void)volume::sweep_unfinished(settings_.volume_dir);

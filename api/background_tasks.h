@@ -8,8 +8,8 @@
 
 namespace diaphane::api {
 
-/// The work that no request waits for: emails, preset thumbnails, deletions, exports and expiry.
-/// Signals wake a task when a service leaves something to do for it.
+/// The work that no request waits for: emails, preset thumbnails, deletions, exports and expiry. A
+/// signal wakes a task when a service has work for it.
 class BackgroundTasks {
  public:
   /// All arguments must outlive this object.

@@ -1,5 +1,5 @@
 // diaphane-gateway: the WebSocket gateway of the stream. Wiring only. It is a separate process from
-// the REST API, so that a crash there ends no stream.
+// the REST API, so that a crash of the API does not end any stream.
 
 #include <atomic>
 #include <chrono>
@@ -81,7 +81,7 @@ int serve(const GatewaySettings& settings, service::StopSignal& stop) {
 
 int main(int argc, char** argv) {
   using namespace diaphane;
-  service::overwrite_freed_memory();  // pictures and slices
+  service::overwrite_freed_memory();  // freed memory may contain pictures and slices
   service::forbid_core_files();
   ConfigReader in(argc, argv);
   const api::GatewaySettings settings = api::read_settings(in);

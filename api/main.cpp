@@ -123,7 +123,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
                              settings.fleet);
   Stores stores(settings.postgres);
 
-  // Starts first, so that a hanging start can be examined. Ready only once the listener is open.
+  // The admin port opens first, so that a hanging start can be examined.
   std::atomic<bool> serving = false;
   auto admin = start_admin(settings, stores.database, placed, serving);
   if (!admin) return failed(admin.error(), kExitUnavailable);
@@ -164,7 +164,7 @@ int main(int argc, char** argv) {
   if (argc == 2 && std::string_view(argv[1]) == api::kPanoramaWord) {
     return api::run_panorama_child();
   }
-  // For parts of uploads, slices and images, and for the 19 MB of each password hash.
+  // Freed memory may hold parts of uploads, slices and images, and 19 MB of each password hash.
   service::overwrite_freed_memory();
   if (sodium_init() < 0) return 70;
   service::forbid_core_files();

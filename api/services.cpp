@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kConnections = 12;
 constexpr int kHashingSlots = 2;
-/// As ingest reads them (LabelLimits::file_bytes), with the headers of the archive.
+/// Maximum size of a label upload: LabelLimits::file_bytes of ingest plus archive headers.
 constexpr std::int64_t kMostLabelBytes = (std::int64_t{1} << 30) + (1 << 16);
 
 }  // namespace
@@ -47,8 +47,8 @@ SessionServices::SessionServices(const Backends& on, DataSets& data_sets)
                [this](const std::string& data_set) { return first_scene(data_set); }),
       administration(on.stores.administration, on.placed, on.placed, on.clock) {}
 
-/// Uses the owner's default preset. If there is none or it is unavailable, uses the volume's
-/// default appearance.
+/// Returns the scene of the owner's default preset in serialised form. If there is none or it is
+/// unavailable, returns an empty string, which means the volume's default appearance.
 std::string SessionServices::first_scene(const std::string& data_set) {
   const auto scene = preset_store.default_scene(data_set);
   return scene && !scene->empty() ? scene_bytes(*scene) : std::string();

@@ -66,7 +66,7 @@ struct Stores {
   MailRepository mails{database};
 };
 
-/// What all services are built on. Everything must outlive them.
+/// The dependencies that all services share. They must outlive the services.
 struct Backends {
   const Settings& settings;
   const Clock& clock;
@@ -117,7 +117,7 @@ struct PrivacyServices {
   AccountDeletion deletion;
 };
 
-/// What people show to others.
+/// Services for content that people can show to others.
 struct SharedServices {
   SharedServices(const Backends& on, DataSets& data_sets, SessionServices& sessions);
   SharedServices(const SharedServices&) = delete;

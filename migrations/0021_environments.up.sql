@@ -14,7 +14,7 @@ ALTER TABLE disposals DROP CONSTRAINT disposals_kind_check;
 ALTER TABLE disposals ADD CONSTRAINT disposals_kind_check
   CHECK (kind IN ('upload', 'volume', 'export', 'pictures', 'preset', 'environment'));
 
--- Schedules the file for deletion, in the same transaction, also when the account is deleted.
+-- Schedules the file for deletion in the same transaction, also when the account is deleted.
 CREATE FUNCTION environment_gone() RETURNS trigger LANGUAGE plpgsql AS $$
 BEGIN
   INSERT INTO disposals (kind, id) VALUES ('environment', OLD.id) ON CONFLICT DO NOTHING;

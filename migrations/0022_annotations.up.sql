@@ -1,13 +1,13 @@
--- Marks and measurements of a scan, by their author, and those that a preset shows. Their texts are free text, so
--- anonymising deletes them.
+-- Sets of marks and measurements of a scan, each by one author, and those that a preset shows. They contain free
+-- text, so anonymising the scan deletes them.
 CREATE TABLE annotations (
   id          uuid PRIMARY KEY,
   data_set_id uuid NOT NULL REFERENCES data_sets ON DELETE CASCADE,
   author_id   uuid NOT NULL REFERENCES users ON DELETE CASCADE,
   name        text NOT NULL CHECK (length(name) BETWEEN 1 AND 60),
   content     text NOT NULL CHECK (octet_length(content) <= 131072),  -- validated Protobuf JSON of Annotations
-  shown       boolean NOT NULL DEFAULT true,                          -- when the scan is opened
-  shared      boolean NOT NULL DEFAULT false,                         -- everyone who may view the scan sees it; only of the owner
+  shown       boolean NOT NULL DEFAULT true,                          -- visible when the scan is opened
+  shared      boolean NOT NULL DEFAULT false,                         -- visible to all who may view the scan; only the owner sets it
   created_at  timestamptz NOT NULL,
   updated_at  timestamptz NOT NULL
 );

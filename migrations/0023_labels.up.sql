@@ -1,4 +1,5 @@
--- Labels that somebody has marked in a scan. Their voxels and names are in the file `label_set` of the volume.
+-- The labels of a scan: structures that someone has marked in it. Their voxels and names are in the file
+-- `label_set` of the volume.
 ALTER TABLE data_sets
   ADD COLUMN label_bytes        bigint NOT NULL DEFAULT 0,  -- counts towards the quota
   ADD COLUMN label_count        int NOT NULL DEFAULT 0,
@@ -9,7 +10,8 @@ ALTER TABLE data_sets
 ALTER TABLE uploads ADD COLUMN for_labels boolean NOT NULL DEFAULT false;
 ALTER TABLE ingest_jobs ADD COLUMN for_labels boolean NOT NULL DEFAULT false;
 
--- Unlike the upload of a scan, that of labels has an ID of its own, which is gone with its row whatever deletes it.
+-- Unlike the upload of a scan, an upload of labels has its own ID, which is lost with its row. The trigger
+-- schedules its file for deletion, whatever deletes the row.
 CREATE FUNCTION dispose_of_label_upload() RETURNS trigger LANGUAGE plpgsql AS $$
 BEGIN
   INSERT INTO disposals (kind, id) VALUES ('upload', OLD.id) ON CONFLICT DO NOTHING;

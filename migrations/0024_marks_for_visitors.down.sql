@@ -1,2 +1,2 @@
--- Nothing to undo: what was shared before is no longer known.
+-- There is nothing to undo, because which sets were shared before is no longer known.
 SELECT 1;

@@ -1,3 +1,3 @@
--- Sets of marks were shared with people who have an account. Now visitors with a link see them too, which their owners
--- have not agreed to, so that each owner has to share them again.
+-- So far, sets of marks were shared only with people who have an account. From this version, visitors with a link see
+-- them, too. The owners have not agreed to that, so they have to share their sets again.
 UPDATE annotations SET shared = false WHERE shared;

@@ -10,7 +10,7 @@ AuditEntry of_account(const std::string& user_id, std::string action) {
   return {AuditActor::kPerson, user_id, std::move(action), "account", user_id, {}};
 }
 
-/// Returns the account of the token, or nothing if the token no longer exists.
+/// Consumes a token and returns its account, or nothing if it does not exist or has expired.
 std::optional<std::string> use_up(pqxx::work& transaction, const std::string& token_hash,
                                   const char* purpose, Time now) {
   const pqxx::result used = transaction.exec_params(R"sql(

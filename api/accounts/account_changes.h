@@ -22,7 +22,7 @@ struct ExpiredBrowser {
   std::string id, user_id;
 };
 
-/// The purpose of an emailed token.
+/// The account that an emailed token belongs to.
 struct TokenBearer {
   std::string user_id;
   std::string email;      ///< current address of the account
@@ -44,32 +44,33 @@ struct EmailRequest {
 class AccountChangeStore {
  public:
   virtual ~AccountChangeStore() = default;
-  /// Does the same work whether or not the address has an account: one statement and one email.
+  /// Queues an email with or without a link. Does the same work whether or not an account exists.
   virtual Result<void> request_reset(const std::string& email_key, const std::string& token_hash,
                                      Time expires_at, const Mail& known, const Mail& unknown) = 0;
-  /// Does not consume the token. Returns nothing if it is unknown, used, expired or for another
-  /// purpose.
+  /// Returns the account of a token without consuming it, or nothing if the token is unknown, used,
+  /// expired or for another purpose.
   virtual Result<std::optional<TokenBearer>> find_token(const std::string& token_hash,
                                                         const std::string& purpose, Time now) = 0;
-  /// Consumes the token, ends all web sessions and deletes other tokens. Returns false if the token
-  /// no longer exists.
+  /// Consumes the token, sets the password, ends all web sessions and deletes other tokens. Returns
+  /// false if the token no longer exists.
   virtual Result<bool> reset(const std::string& token_hash, const std::string& password_hash,
                              const Mail& notification, Time now) = 0;
-  /// Ends all other web sessions and deletes tokens.
+  /// Sets the password, ends all other web sessions and deletes all emailed tokens.
   virtual Result<void> change_password(const std::string& user_id, const std::string& password_hash,
                                        const std::string& kept_session, const Mail& notification,
                                        Time now) = 0;
   virtual Result<void> request_email(const EmailRequest& request, Time now) = 0;
-  /// Returns false if the token no longer exists or the address has been taken in the meantime.
+  /// Changes the address. Returns false if the token no longer exists or the address is now taken.
   virtual Result<bool> confirm_email(const std::string& token_hash,
                                      const std::string& new_email_key, const Mail& to_old,
                                      Time now) = 0;
   virtual Result<std::vector<BrowserSession>> browser_sessions(const std::string& user_id,
                                                                Time now) = 0;
-  /// Returns false if there is no session with this ID.
+  /// Ends a web session of the user. Returns false if none has this ID.
   virtual Result<bool> end_browser_session(const std::string& user_id, const std::string& id) = 0;
   virtual Result<void> end_browser_sessions(const std::string& user_id, Time now) = 0;
-  /// Returns at most `limit` sessions, oldest first. They are kept until they are forgotten.
+  /// Returns at most `limit` ended sessions, oldest first. They stay until forget_browser() is
+  /// called.
   virtual Result<std::vector<ExpiredBrowser>> expired_browsers(Time now, int limit) = 0;
   virtual Result<void> forget_browser(const std::string& id) = 0;
 };
@@ -90,11 +91,11 @@ class AccountChanges {
                  PasswordHasher& hasher, Placement& placement, const Clock& clock,
                  const Signals& signals, Options options);
 
-  /// Succeeds after the same work whether or not the account exists. `address` is the peer's.
+  /// Does the same work whether or not the account exists. `address` is the client's IP address.
   /// `language` is that of the email.
   Outcome<void> request_reset(const std::string& email, const std::string& address,
                               Language language = Language::kEnglish);
-  /// Signs out everywhere. Returns kLinkExpired for an invalid token.
+  /// Sets a new password and signs out everywhere. Returns kLinkExpired for an unknown token.
   Outcome<void> reset(const std::string& token, const std::string& password,
                       Language language = Language::kEnglish);
   Outcome<void> change_password(const Principal& who, const std::string& current,
@@ -108,7 +109,7 @@ class AccountChanges {
 
   Outcome<std::vector<BrowserSession>> browser_sessions(const Principal& who);
   Outcome<void> end_browser_session(const Principal& who, const std::string& id);
-  /// Also signs out this browser and ends all open sessions.
+  /// Signs out all browsers, including this one, and ends all open sessions.
   Outcome<void> sign_out_everywhere(const Principal& who);
 
   /// Ends the streams of browsers whose web sessions are over, then deletes those sessions. Retries

@@ -15,7 +15,7 @@ Mail in_one(Language language, const std::string& to, Text english, Text german)
   return {to, std::move(text.subject), std::move(text.body)};
 }
 
-/// The German text follows the English one.
+/// Returns an email in both languages. The German text follows the English one.
 Mail in_both(const std::string& to, const Text& english, const Text& german) {
   return {to, english.subject + " / " + german.subject, english.body + "\n-----\n\n" + german.body};
 }

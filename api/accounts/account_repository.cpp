@@ -170,7 +170,7 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
 Result<void> AccountRepository::extend_session(const std::string& token_hash, Time expires_at) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     transaction.exec_params0(
-        // Excludes a session that was signed out after this request was authenticated.
+        // Leaves out a session that was signed out after this request was authenticated.
         "UPDATE web_sessions SET expires_at = to_timestamp($2::bigint / 1e6) "
         "WHERE token_hash = $1 AND expires_at > 'epoch'",
         token_hash, to_us(expires_at));
@@ -248,7 +248,7 @@ Result<std::optional<std::chrono::seconds>> AccountRepository::note_attempt(
     for (const AttemptLimit& limit : ordered) {
       transaction.exec_params1("SELECT pg_advisory_xact_lock(hashtextextended($1, 0))::text",
                                limit.key_hash);
-      // The attempt that must expire first is the count-th newest.
+      // The next attempt is allowed once the count-th newest attempt leaves the window.
       const pqxx::result blocking = transaction.exec_params(
           R"sql(
           SELECT (extract(epoch FROM happened_at) * 1000000)::bigint AS happened_us

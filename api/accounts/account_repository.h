@@ -5,7 +5,7 @@
 
 namespace diaphane::api {
 
-/// Accounts, web sessions, attempts (migrations/0001).
+/// Accounts, web sessions and attempts (migrations/0001).
 class AccountRepository final : public AccountStore {
  public:
   explicit AccountRepository(Database& database) : database_(database) {}
@@ -56,7 +56,7 @@ void expire_sessions(pqxx::work& transaction, const std::string& user_id,
 /// Queues an email, which is sent soon after the transaction commits.
 void queue_mail(pqxx::work& transaction, const Mail& mail, Time now);
 
-/// Returns the quota and use of an account in bytes: volumes, and the announced lengths of
+/// Returns the quota and use of an account in bytes: volumes, labels, and the announced lengths of
 /// unfinished uploads. Locks the account until the transaction ends, so that concurrent
 /// announcements cannot exceed the quota together.
 Quota lock_quota(pqxx::work& transaction, const std::string& user_id);

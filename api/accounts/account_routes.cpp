@@ -55,7 +55,7 @@ Outcome<Response> consent(Accounts& accounts, const Request& request, const Prin
   return empty_response(204);
 }
 
-/// The user and the cookies of a browser that has just signed in.
+/// Responds with the user and with the cookies for a browser that has just signed in.
 Outcome<Response> signed_in(Accounts& accounts, RenderTime& render_time,
                             const RequestRouter& router, const Accounts::Opened& opened) {
   auto response = me(accounts, render_time, opened.principal);

@@ -14,16 +14,16 @@ namespace diaphane::api {
 struct Mail {
   std::string recipient;
   std::string subject;
-  std::string body;  ///< plain text, UTF-8, lines ended by \n
+  std::string body;  ///< plain text in UTF-8 with \n line ends
 };
 
 struct SignUp {
   std::string user_id;
   std::string email;
   std::string email_key;
-  std::string token_hash;  ///< secrets.h, blake2b
+  std::string token_hash;  ///< blake2b of the token (secrets.h)
   Time token_expires_at;
-  std::string consent_version;  ///< of the privacy notice that the user agreed to
+  std::string consent_version;  ///< version of the privacy notice that the user agreed to
   Mail welcome;                 ///< with the link
   Mail already_there;           ///< for an address that already has a verified account
 };
@@ -52,7 +52,7 @@ struct SignedIn {
   bool administrator = false;
   Time used_at = {};
   bool second_factor = false;        ///< whether two-factor authentication is on
-  std::string consent_version = {};  ///< of the notice that the user agreed to; may be empty
+  std::string consent_version = {};  ///< of the privacy notice; empty without consent
 };
 
 struct Quota {
@@ -62,19 +62,19 @@ struct Quota {
 
 /// Allows at most `count` attempts for `key` within `window`.
 struct AttemptLimit {
-  std::string key_hash;  ///< secrets.h, blake2b
+  std::string key_hash;  ///< blake2b of what is counted (attempts.h)
   int count = 0;
   std::chrono::seconds window{0};
 };
 
-/// Storage of accounts. Every function returns kUnavailable if the database is unavailable. Each is
-/// one transaction. `now` comes from the caller's Clock.
+/// Stores accounts. Every function returns kUnavailable if the database is unavailable. Each is one
+/// transaction. `now` comes from the caller's Clock.
 class AccountStore {
  public:
   virtual ~AccountStore() = default;
 
-  /// An address without a verified account gets an additional token and the welcome email. An
-  /// address with one gets only an email that says so. Both cases do the same work, so that timing
+  /// Signs up an address. Without a verified account, it gets an additional token and the welcome
+  /// email, otherwise only an email that says so. Both cases do the same work, so that timing
   /// reveals nothing.
   virtual Result<void> sign_up(const SignUp& sign_up, Time now) = 0;
   /// Returns the address that the token was sent to, without consuming the token. Returns nothing
@@ -89,7 +89,7 @@ class AccountStore {
   virtual Result<std::optional<Account>> find_by_id(const std::string& user_id) = 0;
 
   virtual Result<void> open_session(const WebSession& session) = 0;
-  /// Also returns nothing for an account that is disabled or was never verified.
+  /// Returns nothing also for an account that is disabled or was never verified.
   virtual Result<std::optional<SignedIn>> find_session(const std::string& token_hash, Time now) = 0;
   virtual Result<void> extend_session(const std::string& token_hash, Time expires_at) = 0;
   virtual Result<void> touch_session(const std::string& token_hash, Time used_at) = 0;
@@ -99,7 +99,7 @@ class AccountStore {
   /// Returns when the user consented to this version of the privacy notice, or nothing.
   virtual Result<std::optional<Time>> consent_at(const std::string& user_id,
                                                  const std::string& version) = 0;
-  /// Also recorded in the audit log.
+  /// Records the consent, also in the audit log.
   virtual Result<void> give_consent(const std::string& user_id, const std::string& version,
                                     Time now) = 0;
 
@@ -110,7 +110,7 @@ class AccountStore {
   /// Deletes all attempts for the key, or only the one recorded at `at`.
   virtual Result<void> forget_attempts(const std::string& key_hash, std::optional<Time> at) = 0;
 
-  /// Removes expired data: old attempts, tokens, keys and accounts that were never verified.
+  /// Removes old attempts, tokens, keys, audit entries, rendering time and unverified accounts.
   virtual Result<void> tidy(Time now) = 0;
 };
 
@@ -123,7 +123,7 @@ class MailStore {
     Mail mail;
   };
   virtual ~MailStore() = default;
-  /// Returns the next due email and leases it to the caller for `lease`.
+  /// Claims the next due email. No other caller gets it for `lease`.
   virtual Result<std::optional<Queued>> claim_mail(Time now, std::chrono::seconds lease) = 0;
   virtual Result<void> mail_sent(std::int64_t id) = 0;
   virtual Result<void> mail_failed(std::int64_t id, Time not_before) = 0;

@@ -103,7 +103,7 @@ Outcome<Accounts::Opened> Accounts::verify(const std::string& token, const std::
   if (!*done) return too_old();
   const auto account = store_.find_by_email(email_key(**email));
   if (!account) return refuse(account.error());
-  if (!*account) return too_old();  // deleted at the same moment
+  if (!*account) return too_old();  // deleted in the meantime
   if ((*account)->disabled) return disabled();
   return open(**account, browser, random_hex(kNonceDigits / 2));
 }
@@ -115,7 +115,7 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account, const Co
   if (counters.address_key) {
     limits.push_back({*counters.address_key, options_.failures_by_address, options_.window});
   }
-  // Recorded before the password is checked, so that concurrent attempts cannot exceed the limit.
+  // The attempt is recorded first, so that concurrent attempts cannot exceed the limit.
   const auto wait = store_.note_attempt(limits, now);
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
@@ -123,8 +123,8 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account, const Co
                                                   : hasher_.verify_dummy(password);
   if (!right) return refuse(right.error());
   if (!*right) return false;
-  // A correct password does not count as an attempt. The address keeps its other failures.
-  // Otherwise, an attacker could clear them with an account of their own.
+  // A correct password does not count as an attempt. The address keeps its other failures, because
+  // an attacker could otherwise clear them with an account of their own.
   if (auto done = store_.forget_attempts(counters.account_key, std::nullopt); !done) {
     return refuse(done.error());
   }
@@ -184,7 +184,7 @@ Outcome<Accounts::Opened> Accounts::open(const Account& account, const std::stri
   const WebSession session{blake2b(opened.token),       account.id, random_hex(32), now,
                            now + options_.session_life, new_id(),   browser};
   if (auto done = store_.open_session(session); !done) return refuse(done.error());
-  // Returns the new state, including whether this is an administrator.
+  // The principal is read back, because it depends on the account, such as its administrator role.
   auto principal = authenticate(opened.token);
   DIAPHANE_TRY(principal);
   opened.principal = *std::move(principal);
@@ -243,7 +243,7 @@ Outcome<Principal> Accounts::authenticate(const std::string& token, Renewal rene
   const Time new_expiry =
       std::min(now + options_.session_life,
                session.created_at + (role ? options_.administrator_limit : options_.session_limit));
-  // Shortens the session of an administrator. Streams and other dependents use the stored time.
+  // The session of a new administrator becomes shorter. Streams depend on the stored expiry.
   if (new_expiry < session.expires_at) {
     if (auto done = store_.extend_session(hash, new_expiry); !done) return refuse(done.error());
   } else if (new_expiry - session.expires_at > options_.session_life / 10) {

@@ -25,22 +25,22 @@ struct Principal {
   bool renewed = false;         ///< the session was extended, so the cookie needs a new age
   bool administrator = false;   ///< has the role and two-factor authentication
   std::string session_id = {};  ///< public ID of the web session
-  bool second_factor = false;   ///< the account has one
+  bool second_factor = false;   ///< the account has two-factor authentication
   /// Has the administrator role without two-factor authentication. Until it is on, `administrator`
   /// is false.
   bool administrator_waits = false;
   bool consented = false;                  ///< to the current privacy notice
   Language language = Language::kEnglish;  ///< of the request, with or without an account
-  Client client = {};                      ///< likewise
+  Client client = {};                      ///< of the request, likewise
 };
 
-/// Date of the template of the privacy notice (frontend/public/legal).
+/// Version of the privacy notice's template, which is its date (frontend/public/legal).
 inline constexpr const char* kPrivacyTemplate = "2026-11-26";
 
 /// Whether a user agrees to the processing of health data as the privacy notice describes it.
 enum class Consent { kGiven, kMissing };
 
-/// Sign-up, sign-in, consent and sign-out. Thread-safe.
+/// Handles sign-up, sign-in, consent and sign-out. Thread-safe.
 class Accounts {
  public:
   struct Options {
@@ -52,7 +52,7 @@ class Accounts {
     std::chrono::seconds administrator_idle = std::chrono::minutes(30);
     std::chrono::seconds administrator_limit = std::chrono::hours(12);
     std::chrono::seconds window = std::chrono::minutes(15);
-    /// In `window`; counted for strangers and for each known browser.
+    /// Per account in `window`, counted separately for each known browser and for all others.
     int failures_by_account = 10;
     int failures_by_address = 50;  ///< in `window`
     int sign_ups_by_address = 30;  ///< in `window`
@@ -75,13 +75,13 @@ class Accounts {
            const Clock& clock, const Signals& signals, Options options);
 
   /// Sends a link. Returns kInvalid only without consent or for errors that reveal no account, and
-  /// otherwise succeeds, whether or not the account exists. `address` is the peer's, for the
-  /// rate limit. `language` is that of the email.
+  /// otherwise succeeds, whether or not the account exists. `address` is the client's, for the rate
+  /// limit. `language` is that of the email.
   Outcome<void> sign_up(const std::string& email, Consent consent, const std::string& address,
                         Language language = Language::kEnglish);
-  /// Only the holder of the emailed token can choose the password, because the token proves access
-  /// to the mailbox (docs/adr/0034). The browser that chose it is signed in. Returns kLinkExpired
-  /// for an unknown, used or expired token, and kDisabled for an account that stays closed.
+  /// Confirms the address and sets the password. Only the holder of the emailed token can do this,
+  /// because it proves access to the mailbox (docs/adr/0034). Signs in the browser. Returns
+  /// kLinkExpired for an unknown, used or expired token, and kDisabled for a disabled account.
   /// `browser` is an approximate name.
   Outcome<Opened> verify(const std::string& token, const std::string& password,
                          const std::string& browser = "");
@@ -95,17 +95,17 @@ class Accounts {
                           const std::string& code, const std::string& address,
                           const std::string& browser = "", const std::string& known_browser = "",
                           Language language = Language::kEnglish);
-  /// Asks for the password again before an irreversible action. A wrong one is reported for
-  /// `field`. Failures are counted only for this web session.
+  /// Checks the password again before a sensitive action. A wrong password is an error of `field`.
+  /// Failures are counted only for this web session.
   Outcome<void> confirm_password(const Principal& who, const std::string& field,
                                  const std::string& password);
-  /// Asks for the code again if the account has two-factor authentication. Returns kCodeNeeded
-  /// without a code and kWrongCode for a wrong one.
+  /// Checks a code again if the account has two-factor authentication. Returns kCodeNeeded without
+  /// a code and kWrongCode for a wrong one.
   Outcome<void> confirm_code(const Principal& who, const std::string& code);
   Outcome<void> sign_out(const std::string& token);
   /// Whether to record the use of a session and to extend its expiry.
   enum class Renewal { kYes, kNo };
-  /// Extends the expiry. Returns kUnauthenticated if the cookie is forged, unknown or expired.
+  /// Returns the user of a session cookie, or kUnauthenticated if it is invalid or expired.
   Outcome<Principal> authenticate(const std::string& token, Renewal renewal = Renewal::kYes);
   Outcome<Quota> quota_of(const std::string& user_id);
   const std::string& consent_version() const { return options_.consent_version; }
@@ -115,7 +115,6 @@ class Accounts {
   Outcome<void> give_consent(const Principal& who, const std::string& version);
 
   std::chrono::seconds session_life() const { return options_.session_life; }
-  /// Called after a browser was signed out, to end its streams.
 
  private:
   /// Opens a web session for a user who has proved who they are. `known_browser` is the random half
@@ -127,9 +126,9 @@ class Accounts {
   /// The keys for which a password attempt is counted.
   struct Counters {
     std::string account_key;                 ///< reset after a correct password
-    std::optional<std::string> address_key;  ///< of the peer; keeps its other failures
+    std::optional<std::string> address_key;  ///< of the client; keeps its other failures
   };
-  /// Whether the password is correct. No response may depend on whether `account` exists.
+  /// Returns whether the password is correct. No response may reveal whether `account` exists.
   Outcome<bool> is_right(const std::optional<Account>& account, const Counters& counters,
                          const std::string& password, Time now);
   /// Returns the random half of the cookie if it was issued to this browser for this account.

@@ -75,7 +75,7 @@ Outcome<bool> CodeCheck::take(const std::string& user_id, const std::string& ema
                               const std::string& code, Language language) {
   const auto now = clock_.wall();
   const std::string soon = attempt_key("code", user_id), day = attempt_key("code-day", user_id);
-  // Recorded before the code is checked, as for passwords (accounts.cpp).
+  // The attempt is recorded before the code is checked, as for passwords (accounts.cpp).
   const auto wait = attempts_.note_attempt({{soon, options_.failures, options_.window},
                                             {day, options_.failures_a_day, std::chrono::hours(24)}},
                                            now);

@@ -20,7 +20,7 @@ namespace diaphane::api {
 struct SecondFactor {
   std::string sealed_secret;  ///< encrypted with SealingKey for the account's ID
   Time begun_at;
-  std::optional<Time> confirmed_at;  ///< empty until it is confirmed; has no effect until then
+  std::optional<Time> confirmed_at;  ///< empty while it has no effect yet
   std::int64_t last_step = 0;        ///< totp::step_of of the newest accepted code
   int recovery_codes = 0;
 };
@@ -34,18 +34,18 @@ class SecondFactorStore {
   /// Replaces an unconfirmed second factor. Returns false if there is a confirmed one.
   virtual Result<bool> begin(const std::string& user_id, const std::string& sealed_secret,
                              Time now) = 0;
-  /// Ends all web sessions except `kept_session`. Returns false if the secret no longer exists or
-  /// has already been confirmed.
+  /// Turns on two-factor authentication and ends all web sessions except `kept_session`. Returns
+  /// false if the secret no longer exists or has already been confirmed.
   virtual Result<bool> confirm(const std::string& user_id, const std::string& sealed_secret,
                                std::int64_t step, const std::vector<std::string>& code_hashes,
                                const std::string& kept_session, const Mail& notification,
                                Time now) = 0;
-  /// Returns false if a code of this or a later step has been accepted in the meantime.
+  /// Records an accepted code. Returns false if one of this or a later step was already accepted.
   virtual Result<bool> take_step(const std::string& user_id, std::int64_t step) = 0;
   /// Records that a code was entered again while it was still valid.
   virtual Result<void> note_reuse(const std::string& user_id, const Mail& notification,
                                   Time now) = 0;
-  /// Returns false if there is no code with this hash.
+  /// Consumes a recovery code. Returns false if there is no code with this hash.
   virtual Result<bool> take_recovery_code(const std::string& user_id, const std::string& code_hash,
                                           const Mail& notification, Time now) = 0;
   virtual Result<void> renew_recovery_codes(const std::string& user_id,
@@ -68,16 +68,17 @@ class CodeCheck {
     std::string public_url;  ///< origin of links in emails
     std::chrono::seconds window = std::chrono::minutes(15);
     int failures = 5;         ///< in `window`
-    int failures_a_day = 20;  ///< of a million codes, of which three are valid at a time
+    int failures_a_day = 20;  ///< of a million codes, three are valid at a time
   };
 
   CodeCheck(SecondFactorStore& store, AccountStore& attempts, const SealingKey& key,
             const Clock& clock, const Signals& signals, Options options);
 
-  /// Whether signing in requires a code.
+  /// Returns whether signing in requires a code.
   Outcome<bool> needed(const std::string& user_id);
-  /// Whether `code` is correct; a correct code is consumed. Returns kTooManyAttempts even for a
-  /// correct code. Notifies `email` in `language` if a recovery code was used or a code was reused.
+  /// Returns whether `code` is correct, and consumes a correct one. Returns kTooManyAttempts after
+  /// too many failures, even for a correct code. Notifies `email` in `language` if a recovery code
+  /// was used or a code was reused.
   Outcome<bool> take(const std::string& user_id, const std::string& email, const std::string& code,
                      Language language);
 

@@ -8,7 +8,7 @@
 namespace diaphane::api {
 namespace {
 
-/// Attackers try a year, "123!" or "123456" after a common word next.
+/// Maximum of digits and symbols around a word: attackers also try a year, "123!" or "123456".
 constexpr std::size_t kFewSigns = 6;
 constexpr std::size_t kShortestRepeated = 4;
 
@@ -52,7 +52,7 @@ bool repeats(std::string_view text, std::size_t unit) {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Whether the text consists of consecutive letters or digits, with 0 after 9.
+/// Returns whether the text consists of consecutive letters or digits, with 0 after 9.
 bool counts_by(std::string_view text, int step) {
   for (std::size_t i = 1; i < text.size(); ++i) {
     const int apart = text[i] - text[i - 1];
@@ -81,7 +81,7 @@ std::optional<std::string> weakness_of(std::string_view password, std::string_vi
   }
   for (std::size_t unit = 1; unit <= text.size() / 2; ++unit) {
     if (!repeats(text, unit)) continue;
-    // In most non-Latin scripts, one letter has two bytes.
+    // Four bytes are two letters in most non-Latin scripts.
     if (unit <= kShortestRepeated || is_listed(text.substr(0, unit))) {
       return "This password is too repetitive. Choose another one.";
     }

@@ -15,7 +15,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Whether `tag` is `language`, in lower case, or one of its regions ("de", "de-AT").
+/// Returns whether `tag` ("de", "de-AT") belongs to `language`, which is in lower case.
 bool is_of(std::string_view tag, std::string_view language) {
   const std::string_view primary = tag.substr(0, tag.find('-'));
   return std::equal(
@@ -23,8 +23,8 @@ bool is_of(std::string_view tag, std::string_view language) {
       [](char c, char lower) { return (c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c) == lower; });
 }
 
-/// Returns the quality in thousandths of what follows the ";" of a language, such as "q=0.8".
-/// Returns nothing if it is malformed.
+/// Parses the quality value after the ";" of a language, such as "q=0.8", in thousandths. Returns
+/// nothing if it is malformed.
 std::optional<int> quality_of(std::string_view text) {
   text = trimmed(text);
   if (text.size() < 3 || text.size() > 7 || (text[0] != 'q' && text[0] != 'Q') || text[1] != '=' ||

@@ -8,7 +8,7 @@ namespace diaphane::api {
 namespace {
 
 constexpr int kMailsAtOnce = 20;
-constexpr int kMailAttempts = 12;  ///< about 11 hours
+constexpr int kMailAttempts = 12;  ///< over about 2.4 hours
 constexpr auto kMailLease = std::chrono::minutes(2);
 
 }  // namespace

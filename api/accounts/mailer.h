@@ -16,7 +16,7 @@ class MailTransport {
   virtual Result<void> send(const Mail& mail) = 0;
 };
 
-/// Polls the queue once and sends the due emails. Each email is sent at least once.
+/// Sends the due emails of the queue. Each email is sent at least once, until it is given up.
 class Mailer {
  public:
   Mailer(MailStore& store, MailTransport& transport, const Clock& clock)
@@ -25,7 +25,7 @@ class Mailer {
     int sent = 0, failed = 0;
   };
   Sent send_due();
-  /// Delay after the n-th failure: 5 s, doubled each time, at most one hour.
+  /// Returns the delay after the n-th failure: 5 s, doubled each time, at most one hour.
   static std::chrono::seconds pause_after(int failures);
 
  private:

@@ -17,21 +17,21 @@ namespace diaphane::api {
 /// composition rules (NIST SP 800-63B, 5.1.1.2).
 std::optional<std::string> fault_of_password(std::string_view password, std::string_view email);
 
-/// Whether email can be sent to the address: visible ASCII with one @ and 3 to 254 characters (RFC
-/// 5321).
+/// Returns whether email can be sent to the address: visible ASCII with one @ and 3 to 254
+/// characters (RFC 5321).
 bool is_email(std::string_view text);
 /// Returns the address in lower case. Two addresses with equal keys belong to the same account.
 std::string email_key(std::string_view email);
 
-/// The cost of computing one hash, and therefore of each guess at a password. The default is that
-/// of the OWASP password storage cheat sheet of 2023.
+/// The cost of computing one hash, and therefore of each guess at a password. The default follows
+/// the OWASP password storage cheat sheet of 2023.
 struct PasswordCost {
   std::uint32_t memory_kib = 19 * 1024;
   std::uint32_t passes = 2;
 };
 
 /// Hashes passwords with argon2id and one lane. Computes at most `slots` hashes at the same time
-/// while as many calls wait, so that a flood of sign-ins exhausts neither the memory nor the
+/// while twice as many calls wait, so that a flood of sign-ins exhausts neither the memory nor the
 /// threads. Returns kUnavailable if there is no room within `patience`.
 class PasswordHasher {
  public:
@@ -41,7 +41,7 @@ class PasswordHasher {
   /// Returns the encoded hash with a random salt.
   Result<std::string> hash(std::string_view password);
   Result<bool> verify(std::string_view password, const std::string& encoded);
-  /// Does the work of verify() for an account that does not exist, so that timing reveals nothing.
+  /// Does the work of verify() and returns false, so that timing does not reveal a missing account.
   Result<bool> verify_dummy(std::string_view password);
 
  private:

@@ -17,7 +17,7 @@ namespace diaphane::api {
 struct SecondFactorState {
   std::optional<Time> set_up_at;  ///< empty if it is off
   int recovery_codes = 0;         ///< number of unused codes
-  bool required = false;          ///< the role of the user requires it
+  bool required = false;          ///< whether the user's role requires it
 };
 
 /// A new secret whose first code has not been confirmed.
@@ -26,7 +26,7 @@ struct NewSecondFactor {
   std::string uri;     ///< otpauth:// URI for the QR code
 };
 
-/// Setting up, renewing and removing the second factor of an account (docs/adr/0023). Thread-safe.
+/// Sets up, renews and removes the second factor of an account (docs/adr/0023). Thread-safe.
 class SecondFactors {
  public:
   struct Options {
@@ -39,18 +39,18 @@ class SecondFactors {
 
   Outcome<SecondFactorState> state(const Principal& who);
   /// Creates a new secret, which replaces an unconfirmed one. Returns kConflict if two-factor
-  /// authentication is on, and an error of "password" for a wrong password.
+  /// authentication is on, and an error of the field "password" for a wrong password.
   Outcome<NewSecondFactor> begin(const Principal& who, const std::string& password);
   /// Confirms the first code and turns on two-factor authentication. Ends all other web sessions
   /// and returns the recovery codes, which are shown only once. Returns kConflict if no setup is in
-  /// progress or it has expired, and an error of "code" for a wrong code.
+  /// progress or it has expired, and an error of the field "code" for a wrong one.
   Outcome<std::vector<std::string>> confirm(const Principal& who, const std::string& code);
   /// Replaces all recovery codes. The code may be a recovery code. Returns errors of "password" and
   /// "code", kTooManyAttempts, or kConflict if two-factor authentication is off.
   Outcome<std::vector<std::string>> renew_recovery_codes(const Principal& who,
                                                          const std::string& password,
                                                          const std::string& code);
-  /// Returns the same errors as renew_recovery_codes.
+  /// Turns off two-factor authentication. Returns the same errors as renew_recovery_codes.
   Outcome<void> remove(const Principal& who, const std::string& password, const std::string& code);
 
  private:

@@ -19,7 +19,7 @@ inline constexpr std::int64_t kDrift = 1;
 std::string new_secret();
 /// Encodes raw bytes for manual entry, in upper case without padding.
 std::string base32(std::string_view raw);
-/// Returns "otpauth://totp/...", the content of the QR code. `account` is any text.
+/// Returns "otpauth://totp/...", the content of the QR code. `account` may be any text.
 std::string uri(std::string_view secret, std::string_view account);
 
 /// Returns the step (30 s units since 1970) that `typed` is the code of, ignoring spaces and

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 50;
 constexpr std::int64_t kMostMs =
-    31LL * 24 * 3600 * 1000 * 1000;  // a thousand devices for a whole month
+    31LL * 24 * 3600 * 1000 * 1000;  // 1000 GPUs for a month of 31 days
 
 nlohmann::ordered_json to_json(const UserRecord& user) {
   nlohmann::ordered_json json{

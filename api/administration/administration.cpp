@@ -11,7 +11,7 @@ tl::unexpected<Problem> no_such_account() {
   return refuse(ProblemKind::kNotFound, "Account not found.");
 }
 
-/// Describes a page in the details of the audit log.
+/// Returns the number of entries on a page, for the details of the audit log.
 template <typename Page>
 std::int64_t count(const Page& page) {
   return static_cast<std::int64_t>(page.items.size());

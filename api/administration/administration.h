@@ -13,7 +13,7 @@
 
 namespace diaphane::api {
 
-/// An account as shown to administrators. Of its scans, it includes only their number and size.
+/// An account as administrators see it: of its scans, only the number and the total size.
 struct UserRecord {
   std::string id, email;
   Time created_at;
@@ -49,24 +49,24 @@ class AdministrationStore {
                                                 const std::optional<Cursor>& after, int limit,
                                                 Time now) = 0;
   virtual Result<std::optional<UserRecord>> user(const std::string& id, Time now) = 0;
-  /// Disabling ends all web sessions and deletes tokens. Returns false if the account does not
-  /// exist.
+  /// Changes the account. Disabling it ends all its web sessions and deletes its email tokens.
+  /// Returns false if the account does not exist.
   virtual Result<bool> change(const std::string& administrator_id, const std::string& id,
                               const UserChange& change, Time now) = 0;
-  /// For the command line on the server. Returns false if there is no such verified account.
+  /// Grants or revokes the role. Returns false if no verified account has this address.
   virtual Result<bool> set_administrator(const std::string& email_key, bool granted, Time now) = 0;
   virtual Result<std::vector<Administrator>> administrators() = 0;
-  /// Writes an audit entry that only records that an administrator looked.
+  /// Writes an audit entry that records only that an administrator viewed data.
   virtual Result<void> note(const AuditEntry& entry, Time now) = 0;
-  /// Newest first.
+  /// Lists the entries that match the filter, newest first.
   virtual Result<std::vector<AuditRecord>> audit(const AuditFilter& filter) = 0;
   virtual Result<IngestQueue> ingest_queue() = 0;
-  /// Data sets that other people may be viewing.
+  /// Returns the IDs of the user's ready data sets, which other people may be viewing.
   virtual Result<std::vector<std::string>> ready_data_sets(const std::string& user_id) = 0;
 };
 
-/// The actions of administrators. routing/request_router.h checks the permission before. Each
-/// access to user data is logged in the audit log before the data is returned. Thread-safe.
+/// The actions of administrators. The request router checks the permission first. Each access to
+/// user data is recorded in the audit log before the data is returned. Thread-safe.
 class Administration {
  public:
   struct Users {
@@ -89,7 +89,7 @@ class Administration {
   Outcome<Users> users(const Principal& who, const std::string& part, std::optional<Cursor> after,
                        int limit);
   Outcome<UserRecord> user(const Principal& who, const std::string& id);
-  /// Returns kNotFound, or kConflict for an attempt to disable your own account.
+  /// Returns kNotFound, or kConflict if administrators try to disable their own account.
   Outcome<UserRecord> change(const Principal& who, const std::string& id, const UserChange& change);
   Outcome<AuditPage> audit(const Principal& who, AuditFilter filter);
   Outcome<Fleet> fleet();

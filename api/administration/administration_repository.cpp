@@ -6,7 +6,7 @@
 namespace diaphane::api {
 namespace {
 
-// $1 is the current time. Bytes are counted as in `lock_quota`.
+// Selects accounts at the time $1. Counts the used bytes in the same way as `lock_quota`.
 constexpr const char* kSelectUser = R"sql(
   SELECT u.id, u.email, (extract(epoch FROM u.created_at) * 1000000)::bigint AS created_us,
          (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id) AS used_us,

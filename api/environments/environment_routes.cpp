@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kNameLength = 60;
 
-/// The name is private, and absent for anyone but the owner.
+/// Omits the private fields, such as the name, for everyone but the owner.
 nlohmann::ordered_json to_json(const Environment& environment) {
   nlohmann::ordered_json body{{"id", environment.id}, {"mine", environment.mine}};
   if (environment.mine) {

@@ -90,7 +90,7 @@ Outcome<ImportedPanorama> Environments::import(const Principal& who, const std::
   auto imported = importer_.import(file);
   if (imported) return *std::move(imported);
   if (imported.error().code != ErrorCode::kInvalid) return refuse(imported.error());
-  // The page translates the word, and shows the sentence where it does not know it.
+  // The field ends with a word that the page translates. It shows the sentence for an unknown word.
   return tl::unexpected(Problem{ProblemKind::kInvalid,
                                 imported.error().message,
                                 {{"file." + imported.error().field, imported.error().message}}});
@@ -103,7 +103,7 @@ Outcome<Environment> Environments::add(const Principal& who, const std::string& 
   DIAPHANE_TRY(mine);
   const auto same = std::ranges::find(*mine, hash, &Environment::content_hash);
   if (same != mine->end()) return *same;
-  // Asked before the import, which takes seconds, and again with the account locked.
+  // Checks the limit before the import, which takes seconds. store_.add checks it under a lock.
   if (mine->size() >= kMostEnvironments) return too_many_environments();
   const auto imported = import(who, file);
   DIAPHANE_TRY(imported);

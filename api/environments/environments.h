@@ -20,27 +20,27 @@ struct Environment {
   std::string preview;       ///< 32 x 16 pixels in sRGB, in hexadecimal
   std::int64_t bytes = 0;    ///< size of the stored picture
   Time created_at{};
-  bool mine = false;  ///< of the requesting user
+  bool mine = false;  ///< belongs to the requesting user
 };
 
 /// Implemented by environments/environment_repository. Every function may return kUnavailable.
 class EnvironmentStore {
  public:
   virtual ~EnvironmentStore() = default;
-  /// Newest first.
+  /// Returns the owner's environments, newest first.
   virtual Result<std::vector<Environment>> of(const std::string& owner_id) = 0;
-  /// kNotFound.
+  /// Returns kNotFound if there is no environment with this ID.
   virtual Result<Environment> find(const std::string& id) = 0;
   /// Returns kTooMany if the owner would have more than `most`, and kConflict if they have one with
   /// this content.
   virtual Result<void> add(const Environment& environment, int most) = 0;
-  /// Return kNotFound also for another user's environment. A removed one is queued for disposal.
+  /// Both return kNotFound also for another user's environment. remove() queues it for disposal.
   virtual Result<void> rename(const std::string& owner_id, const std::string& id,
                               const std::string& name) = 0;
   virtual Result<void> remove(const std::string& owner_id, const std::string& id) = 0;
 };
 
-/// What an import makes of an uploaded file.
+/// The result of importing an uploaded file.
 struct ImportedPanorama {
   std::string picture;  ///< the form in which it is stored
   std::string preview;  ///< as in Environment
@@ -62,18 +62,18 @@ class PanoramaImporter {
 class Environments {
  public:
   static constexpr int kMostEnvironments = 16;  ///< per account
-  static constexpr int kMostImports = 2;        ///< at once, and one per account
+  static constexpr int kMostImports = 2;        ///< at the same time; one per account
   static constexpr std::int64_t kMostUpload = 4 * 1024 * 1024;
 
-  /// `directory` is that of the volume store.
+  /// `directory` is the directory of the volume store.
   Environments(EnvironmentStore& store, PanoramaImporter& importer, const Clock& clock,
                const Signals& signals, const std::string& directory);
 
   Outcome<std::vector<Environment>> list(const Principal& who);
-  /// For anyone who knows the ID.
+  /// Returns the environment to anyone who knows its ID, but its name only to the owner.
   Outcome<Environment> find(const Principal& who, const std::string& id);
-  /// Returns the existing environment if the account has one of the same file. Returns kInvalid for
-  /// the field `file`, kTooMany for another upload at the same time, kBusy and kStorageFull.
+  /// Returns the existing environment if the account already has this file. Returns kInvalid for
+  /// `file`, kTooMany if the account is full or already imports a file, or kBusy.
   Outcome<Environment> add(const Principal& who, const std::string& name, const std::string& file);
   Outcome<Environment> rename(const Principal& who, const std::string& id, const std::string& name);
   Outcome<void> remove(const Principal& who, const std::string& id);
@@ -81,7 +81,7 @@ class Environments {
   Result<void> dispose(const std::string& id);
 
  private:
-  /// A user's place among the imports that run.
+  /// One of the kMostImports places, held while a user's import runs.
   class Place;
   Outcome<ImportedPanorama> import(const Principal& who, const std::string& file);
   std::string path_of(const std::string& id) const { return directory_ + "/" + id + ".hdr"; }
@@ -92,7 +92,7 @@ class Environments {
   const Signals& signals_;
   const std::string directory_;
   std::mutex mutex_;
-  std::vector<std::string> importing_;  ///< users
+  std::vector<std::string> importing_;  ///< IDs of the users whose import is running
 };
 
 }  // namespace diaphane::api

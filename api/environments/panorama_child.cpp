@@ -21,13 +21,13 @@ namespace {
 
 using scene::PanoramaFault;
 
-/// Address space of the child. Decoding the largest picture takes 150 MB.
+/// Maximum address space of the child, in bytes. Decoding the largest picture takes 150 MB.
 constexpr std::uint64_t kMostImportMemory = std::uint64_t{768} << 20;
 constexpr std::uint32_t kMostImportSeconds = 10;
 constexpr int kExitNoSandbox = 70, kExitDisk = 74;
 constexpr std::uint32_t kPreviewWidth = 32, kPreviewHeight = 16;
 
-/// Returns a file in memory with these bytes, at its beginning.
+/// Returns an in-memory file with these bytes, positioned at its start.
 Fd memory_file(std::string_view bytes) {
   Fd file(memfd_create("panorama", MFD_CLOEXEC));
   const bool ok = file && write_all(file.get(), bytes.data(), bytes.size()) &&
@@ -35,7 +35,7 @@ Fd memory_file(std::string_view bytes) {
   return ok ? std::move(file) : Fd(-1);
 }
 
-/// Reads at most one byte more than `most` from the child's input.
+/// Reads at most `most` + 1 bytes from the child's input, so that the caller notices a larger file.
 std::string read_input(std::size_t most) {
   std::string bytes(most + 1, '\0');
   std::size_t read_so_far = 0;
@@ -57,7 +57,7 @@ Error refusal(PanoramaFault fault) {
   return {ErrorCode::kInvalid, sentence_of(fault), word_of(fault)};
 }
 
-/// Returns the fault that the child reported. What a child without rights says is not trusted.
+/// Parses the child's report. The child is not trusted, so any unknown word means kDamaged.
 PanoramaFault fault_in(const std::string& word) {
   for (const auto fault :
        {PanoramaFault::kTooLarge, PanoramaFault::kFormat, PanoramaFault::kVariant,
@@ -67,7 +67,7 @@ PanoramaFault fault_in(const std::string& word) {
   return PanoramaFault::kDamaged;
 }
 
-/// Returns what the child wrote, if it is a picture in its stored form.
+/// Returns the child's output, or kInvalid if it is not a picture in its stored form.
 Result<std::string> picture_in(int output) {
   struct stat info {};
   if (fstat(output, &info) != 0 || lseek(output, 0, SEEK_SET) != 0 ||
@@ -116,7 +116,7 @@ Result<ImportedPanorama> SandboxedImporter::import(const std::string& file) {
   if (end->how != ChildEnd::How::kExited || end->exit_code != 0) {
     log::warning("a panorama could not be read",
                  {{"exit_code", end->exit_code}, {"signal", end->signal}});
-    // Only a file can make the child crash or take too long. Other exits are the machine's fault.
+    // Only a bad file makes the child crash or take too long. Other exits are the machine's fault.
     if (end->how == ChildEnd::How::kExited) return unavailable();
     return tl::unexpected(refusal(PanoramaFault::kDamaged));
   }
@@ -148,7 +148,7 @@ std::string preview_of(const std::string& picture) {
       }
       for (const double total : sum) {
         const double mean = total / ((right - left) * (bottom - top));
-        // The mean of 1 is shown as a middle grey.
+        // Maps a mean radiance of 1 to a middle grey.
         const auto level = std::lround(255 * std::pow(mean / (mean + 3), 1 / 2.2));
         constexpr char kHex[] = "0123456789abcdef";
         preview += {kHex[level >> 4], kHex[level & 15]};

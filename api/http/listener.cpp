@@ -20,11 +20,11 @@ using web::http::http_request;
 using web::http::http_response;
 using web::http::experimental::listener::http_listener;
 
-/// A body that is refused is still read up to this size, so that the connection can be kept.
+/// Maximum size of a refused body that is still read, so that the connection can be kept.
 constexpr std::int64_t kSwallowBytes = 64 * 1024;
 
-/// The library may lose count of a connection that ends in the middle of a request, and then waits
-/// forever for it when the listener closes.
+/// Maximum wait for the library to close the listener. It may lose count of a connection that ends
+/// in the middle of a request, and would then wait forever.
 constexpr std::chrono::milliseconds kClosePatience{500};
 
 Head head_of(const http_request& message) {
@@ -218,7 +218,7 @@ Result<std::unique_ptr<Listener>> Listener::open(const RequestRouter& router, Ex
       });
     }
   };
-  // Otherwise, the library answers these two methods itself and echoes the request for TRACE.
+  // Without handlers, the library answers these methods itself and echoes the request for TRACE.
   impl->listener.support(web::http::methods::OPTIONS, receive);
   impl->listener.support(web::http::methods::TRCE, receive);
   impl->listener.support(receive);

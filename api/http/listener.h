@@ -10,9 +10,9 @@
 
 namespace diaphane::api {
 
-/// Wraps cpprestsdk's listener on 127.0.0.1. It must never face the network directly, only through
-/// the edge. A library thread only reads the head, starts reading the body and hands the request
-/// over to the executor.
+/// Wraps cpprestsdk's HTTP listener on 127.0.0.1, which only the edge may reach. The library's
+/// threads never block: they read the head, start reading the body and hand the request over to the
+/// executor, which runs the handler.
 class Listener {
  public:
   struct Options {

@@ -22,7 +22,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// Encodes a header text outside ASCII as words of RFC 2047. No character is split between words.
+/// Encodes a non-ASCII header text as encoded words (RFC 2047) without splitting a character.
 std::string header_text(const std::string& text) {
   if (std::all_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x80; })) return text;
   constexpr std::size_t kWordLetters = 60;  // an encoded word has at most 75 characters
@@ -55,7 +55,7 @@ std::string rfc5322_now() {
   return std::string(text, size);
 }
 
-/// Returns the address of "Name <address>" or "address".
+/// Returns the address in a mailbox of the form "Name <address>" or "address".
 std::string address_in(const std::string& mailbox) {
   const std::size_t open = mailbox.rfind('<');
   if (open == std::string::npos) return mailbox;
@@ -92,7 +92,7 @@ class FileTransport final : public MailTransport {
     // The file stays hidden until it is complete, so that readers never see a partial email.
     const std::filesystem::path temporary = std::filesystem::path(directory_) / ("." + name);
     std::ofstream file(temporary, std::ios::binary);
-    ::chmod(temporary.c_str(), 0600);  // the link in it is a secret
+    ::chmod(temporary.c_str(), 0600);  // the email may contain a secret link
     file << message_of(mail, from_, rfc5322_now(), id);
     file.close();
     std::error_code error;

@@ -10,8 +10,8 @@ namespace diaphane::api {
 
 /// Opens the transport of a setting: `file:DIRECTORY` (one .eml file per email, for single machines
 /// and tests), `smtp://[user:password@]host:port` (STARTTLS if the server offers it) or
-/// `smtps://…`. `from` is the sender's address. Returns kInvalid for anything else. The message
-/// never contains a password.
+/// `smtps://…`. `from` is the sender's address. Returns kInvalid for anything else. The error
+/// message never contains the password.
 Result<std::unique_ptr<MailTransport>> open_mail_transport(const std::string& setting,
                                                            const std::string& from);
 

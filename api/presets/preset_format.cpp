@@ -12,9 +12,9 @@
 namespace diaphane::api {
 namespace {
 
-/// The stream carries a scene in one message of at most 64 KB.
+/// Maximum serialised size. The stream carries a scene in a message of at most 64 KB.
 constexpr std::size_t kMostSceneBytes = 60'000;
-/// The limit of presets.scene (migrations/0006). The JSON is larger than the message.
+/// Maximum size of presets.scene (migrations/0006). JSON is larger than the serialised form.
 constexpr std::size_t kMostKeptSceneBytes = 524'288;
 constexpr std::size_t kLongestName = 60;
 
@@ -103,7 +103,7 @@ Outcome<Preset> read_preset_xml(const Request& request) {
     preset.annotations = scene::annotations_to_json(*annotations);
   }
   if (read->has_unknown) {
-    // The marks can be removed later, so they are not kept here as well.
+    // The document is kept without the marks, because they can be removed later.
     preset.kept_xml = read->annotations
                           ? scene::preset_to_xml(read->name, read->scene, request.body)
                           : request.body;

@@ -10,16 +10,16 @@ namespace diaphane::api {
 inline constexpr int kPresetVersion = 1;
 inline constexpr std::size_t kMostPresetBytes = 256 * 1024;  ///< maximum size of a request
 
-/// Returns kBodyTooLarge. Checked after the body was received, because a listener that refuses a
-/// body halfway resets the connection, and the edge may lose the response.
+/// Returns kBodyTooLarge above kMostPresetBytes. This is checked after the body was received:
+/// refusing it halfway resets the connection, and the edge may lose the response.
 Outcome<void> check_size(const Request& request);
 
 /// Parses `scene` strictly and validates it like the stream does. Reports errors with their path
 /// ("scene.camera.eye.x"). Returns the JSON to store.
 std::string read_scene(Fields& in);
-/// Checks the format `version`, if present. A newer one is refused.
+/// Checks the optional field `version` of the format. Refuses a newer one.
 void read_format_version(Fields& in);
-/// Returns name, scene and, if it contains more, the document. Returns kInvalid or kMediaType.
+/// Parses and validates an XML document. Fills name, scene, annotations and kept_xml.
 Outcome<Preset> read_preset_xml(const Request& request);
 
 /// Returns the version that a change is based on. Returns kPreconditionRequired without If-Match
@@ -27,7 +27,7 @@ Outcome<Preset> read_preset_xml(const Request& request);
 Outcome<int> version_in_if_match(const Request& request);
 std::string etag_of(const Preset& preset);
 
-/// Omits the scene, for lists.
+/// Converts a preset to JSON for lists, which omits the scene and the marks.
 nlohmann::ordered_json to_json(const Preset& preset);
 nlohmann::ordered_json with_scene(const Preset& preset);
 std::string to_xml(const Preset& preset);

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Longer than the request to a worker (Stills), so that no thumbnail is rendered twice.
+/// Longer than a request to a worker (Stills), so that no thumbnail is rendered twice.
 constexpr std::chrono::seconds kLease{90};
 /// Delay before the next attempt if no worker responded.
 constexpr std::chrono::seconds kPause{10};
@@ -56,7 +56,7 @@ bool PresetPictures::make_next() {
   request.data_set_id = picture.data_set_id;
   request.scene = scene_bytes_(picture.scene);
   request.background = true;
-  // A preset of another version cannot be displayed, so it gets no thumbnail.
+  // A scene that cannot be parsed, such as one of a newer version, gets no thumbnail.
   if (request.scene.empty()) return true;
   const auto jpeg = stills_.render(request);
   if (!jpeg) {

@@ -9,10 +9,10 @@
 
 namespace diaphane::api {
 
-/// Renders a thumbnail for each preset, which shows its data set with the preset applied. Runs in
-/// the background, one at a time. The file `<cache directory>/presets/<preset>/picture.jpg` is kept
-/// until the preset changes or is deleted, or the data set is anonymised (migrations/0008). The
-/// work is not charged to any user. Thread-safe.
+/// Renders a thumbnail for each preset, which shows its data set with the preset applied. The
+/// thumbnails are rendered in the background, one at a time. The file `<cache
+/// directory>/presets/<preset>/picture.jpg` is kept until the preset changes or is deleted, or the
+/// data set is anonymised (migrations/0008). The work is not charged to any user. Thread-safe.
 class PresetPictures {
  public:
   /// `scene_bytes` serialises a preset's scene, or returns an empty string if it cannot be parsed.

@@ -9,7 +9,7 @@ namespace {
 
 tl::unexpected<Error> no_preset() { return fail(ErrorCode::kNotFound, "Preset not found."); }
 
-/// $1 is the viewer, or NULL. What follows FROM and the large columns differ.
+/// Selects presets for the viewer $1 (or NULL). Queries append large columns, kTables and WHERE.
 constexpr const char* kColumns = R"sql(
   SELECT p.id, p.data_set_id, p.author_id, u.public_name, p.name, p.version,
          COALESCE((SELECT sum(value) FROM preset_votes v WHERE v.preset_id = p.id), 0)::int AS votes,
@@ -49,7 +49,7 @@ Preset read_preset(const pqxx::row& row) {
 
 const char* id_or_null(const std::string& id) { return id.empty() ? nullptr : id.c_str(); }
 
-/// After a statement without effect, finds out whether the preset is gone or has a newer version.
+/// Explains why a statement had no effect: the preset is gone or has another version.
 tl::unexpected<Error> why_not(pqxx::work& transaction, const std::string& id) {
   if (transaction.exec_params("SELECT 1 FROM presets WHERE id = $1", id).empty())
     return no_preset();
@@ -131,7 +131,7 @@ Result<void> PresetRepository::change(const std::string& id, int version, const 
         id, version, what.name ? what.name->c_str() : nullptr,
         what.scene ? what.scene->c_str() : nullptr, to_us(now), what.annotations);
     if (changed.empty()) return why_not(transaction, id);
-    // The default follows the owner's own preset, but is a copy of another author's preset.
+    // The default follows changes of the owner's own preset. Of another author's, it stays a copy.
     transaction.exec_params0(R"sql(
         UPDATE data_sets d SET default_scene = p.scene
           FROM presets p
@@ -245,7 +245,7 @@ Result<void> PresetRepository::postpone_picture(const std::string& preset_id, Ti
 Result<bool> PresetRepository::keep_picture(const PresetPicture& picture, Time now,
                                             const std::function<Result<void>()>& write) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
-    // The lock is held until the file exists. Later changes, anonymisations and deletions then
+    // The lock is held until the file exists, so that later changes, anonymisations and deletions
     // remove it.
     const pqxx::result same = transaction.exec_params(
         R"sql(

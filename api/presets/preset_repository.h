@@ -5,7 +5,7 @@
 
 namespace diaphane::api {
 
-/// Presets, their votes (migrations/0006) and pictures (migrations/0008).
+/// Presets, their votes (migrations/0006), thumbnails (0008) and annotations (0022).
 class PresetRepository final : public PresetStore {
  public:
   explicit PresetRepository(Database& database) : database_(database) {}

@@ -17,7 +17,7 @@ Response made(const Preset& preset) {
   return preset_response(201, preset).with("Location", "/v1/presets/" + preset.id);
 }
 
-/// Returns an empty string if there are none.
+/// Reads the optional field `annotations`. Returns an empty string if it is absent or null.
 std::string read_preset_annotations(Fields& in) {
   if (!in.has("annotations") || in.is_null("annotations")) return {};
   return read_annotations(in, "annotations");
@@ -60,7 +60,7 @@ Outcome<Response> change(Presets& presets, const Request& request, const Princip
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const std::string& id = request.parameter("preset_id");
-  // A preset that the user must not see returns 404, even if the request has other errors.
+  // For a preset that the user must not see, returns 404 before other errors of the request.
   DIAPHANE_TRY(presets.find(who, id));
   const auto version = version_in_if_match(request);
   DIAPHANE_TRY(version);

@@ -21,25 +21,25 @@ struct Preset {
   int votes = 0;    ///< votes for it minus votes against it
   int my_vote = 0;  ///< -1, 0, 1
   bool is_default = false;
-  /// It is the default, and its author has changed the scene since the owner chose it.
+  /// Whether it is the default and its author has changed the scene since the owner chose it.
   bool changed_since_default = false;
-  bool mine = false;  ///< of the requesting user
+  bool mine = false;  ///< belongs to the requesting user
   /// Hidden by an administrator from everyone but its author and administrators.
   bool taken_down = false;
   std::string taken_down_reason;
   std::optional<Time> pictured_at;  ///< when its thumbnail was rendered; empty if there is none yet
   Time created_at, updated_at;
   std::string scene;        ///< Protobuf JSON of a checked Scene; empty in lists
-  std::string annotations;  ///< Protobuf JSON of checked Annotations; empty: none, and in lists
+  std::string annotations;  ///< Protobuf JSON of checked Annotations; empty if none or in lists
   std::string kept_xml;     ///< the source document, if it contains more than the scene
 };
 
-/// Absent fields stay unchanged. Empty `annotations` remove them.
+/// A change of a preset. Absent fields stay unchanged. Empty `annotations` remove the stored ones.
 struct PresetChange {
   std::optional<std::string> name, scene, annotations;
 };
 
-/// A thumbnail to render for this scene, valid while the preset and the data set stay unchanged.
+/// A thumbnail to render. It is valid as long as the preset and the data set stay unchanged.
 struct PresetPicture {
   std::string preset_id, data_set_id;
   std::string scene;           ///< Protobuf JSON
@@ -51,17 +51,17 @@ struct PresetPicture {
 class PresetStore {
  public:
   struct Limits {
-    int of_author = 20;  ///< in one data set
+    int of_author = 20;  ///< per data set
     int of_data_set = 500;
   };
   virtual ~PresetStore() = default;
 
-  /// Sorted with the default first, then by votes, then oldest first.
+  /// Returns the presets of a data set: the default first, then by votes, then oldest first.
   virtual Result<std::vector<Preset>> list(const std::string& data_set_id,
                                            const std::string& viewer_id) = 0;
-  /// kNotFound.
+  /// Returns a preset with its scene, or kNotFound if it does not exist.
   virtual Result<Preset> find(const std::string& id, const std::string& viewer_id) = 0;
-  /// kTooMany.
+  /// Adds a preset. Returns kTooMany if one of the limits is reached.
   virtual Result<std::variant<Created, KeyReused>> add(const Preset& preset,
                                                        const std::optional<IdempotencyKey>& key,
                                                        const Limits& limits) = 0;
@@ -69,7 +69,7 @@ class PresetStore {
   virtual Result<void> change(const std::string& id, int version, const PresetChange& what,
                               Time now) = 0;
   virtual Result<void> remove(const std::string& id, int version) = 0;
-  /// A `value` of 0 withdraws the vote.
+  /// Records the user's vote. A `value` of 0 withdraws it.
   virtual Result<void> vote(const std::string& id, const std::string& user_id, int value) = 0;
   /// An empty `preset_id` means none. Returns kNotFound for a preset of another data set.
   virtual Result<void> set_default(const std::string& data_set_id,
@@ -77,11 +77,11 @@ class PresetStore {
   /// Returns the scene of the default preset as Protobuf JSON, or an empty string.
   virtual Result<std::string> default_scene(const std::string& data_set_id) = 0;
 
-  /// Leases the next thumbnail to render for a ready data set. Nobody else gets it for `lease`,
-  /// which grows with each failure.
+  /// Claims the next thumbnail to render for a ready data set. No other caller gets it for `lease`,
+  /// which doubles with each failure.
   virtual Result<std::optional<PresetPicture>> claim_picture(Time now,
                                                              std::chrono::seconds lease) = 0;
-  /// Returns a thumbnail that no worker could render. It is due again at `again`, not as a failure.
+  /// Makes a thumbnail due again at `again` without a failure, because no worker was available.
   virtual Result<void> postpone_picture(const std::string& preset_id, Time again) = 0;
   /// Runs `write` (possibly twice) while the preset is locked, if it has not changed since
   /// rendering started. Otherwise returns false and writes nothing. Returns the errors of `write`.
@@ -91,7 +91,7 @@ class PresetStore {
   virtual Result<void> forget_picture(const std::string& preset_id) = 0;
 };
 
-/// Presets of data sets. Scenes are validated before they get here (presets/preset_format.h).
+/// The presets of data sets. The caller validates their contents (presets/preset_format.h).
 /// Thread-safe.
 class Presets {
  public:
@@ -100,14 +100,14 @@ class Presets {
 
   Outcome<std::vector<Preset>> list(const Principal& who, const std::string& data_set_id);
   Outcome<Preset> find(const Principal& who, const std::string& id);
-  /// Uses name, scene, annotations and kept_xml of `preset`. The same non-empty key creates it only
-  /// once. Returns kTooMany or kIdempotencyKeyReused.
+  /// Saves the name, scene, annotations and kept_xml of `preset`. A repeated request with the same
+  /// non-empty key creates no second preset. Returns kTooMany or kIdempotencyKeyReused.
   Outcome<Preset> add(const Principal& who, const std::string& data_set_id, Preset preset,
                       const std::string& idempotency_key);
-  /// Only for its author. Returns kPrecondition if `version` is not the current one.
+  /// Requires the author. Returns kPrecondition if `version` is not the current one.
   Outcome<Preset> change(const Principal& who, const std::string& id, int version,
                          const PresetChange& what);
-  /// Only for its author, the owner of the data set or an administrator.
+  /// Requires the author, the owner of the data set or an administrator.
   Outcome<void> remove(const Principal& who, const std::string& id, int version);
   Outcome<Preset> vote(const Principal& who, const std::string& id, int value);
   Outcome<void> set_default(const Principal& who, const std::string& data_set_id,

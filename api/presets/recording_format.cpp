@@ -7,12 +7,12 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kMostEvents = 20'000;
-constexpr std::size_t kMostKeptBytes = 1'048'576;  // the limit of recordings.body (migrations/0003)
+constexpr std::size_t kMostKeptBytes = 1'048'576;  // maximum of recordings.body (migrations/0003)
 constexpr std::int64_t kLongestPauseMs = 10'000;
 constexpr int kDeepest = 12;
 constexpr std::string_view kEnd = "]}";
 
-/// Returns false if the value is nested too deeply or contains something that no scene has.
+/// Removes names and textures. Returns false if the value cannot be part of a scene.
 bool strip(json& value, int depth) {
   if (depth > kDeepest) return false;
   if (value.is_object()) {
@@ -64,7 +64,7 @@ std::string read_events(const json& given, Recording& recording) {
     last_ms = event["at_ms"].get<std::int64_t>();
     recording.body += (first ? "" : ",") + ordered_json{{"at_ms", last_ms}, {what, look}}.dump();
     ++recording.events;
-    // Reserves space for the end of the document.
+    // The limit includes the end of the document.
     if (recording.body.size() + kEnd.size() > kMostKeptBytes) {
       return "take more than 1 MiB when stored; make a shorter recording";
     }

@@ -5,9 +5,9 @@
 
 namespace diaphane::api {
 
-/// Maximum values of a request: one per 8 bytes of the largest body (1 MB), which take at most 21
-/// MB as a tree. Recordings of the page have fewer. It ends a recording at 500 KB, and a camera has
-/// 16 values in at least 200 bytes.
+/// Maximum number of JSON values in a recording: one per 8 bytes of the largest body (1 MB), which
+/// take at most 21 MB as a tree. The page stays below it: it ends a recording at 500 KB, and a
+/// camera of 16 values takes at least 200 bytes.
 inline constexpr std::size_t kMostRecordingValues = 131'072;
 
 /// Reads a recording (docs/contracts.md, "Recorded interaction") from a request and reports errors.

@@ -29,7 +29,7 @@ class RecordingStore {
                            std::int64_t most_bytes) = 0;
   /// Returns the recordings that have not expired, newest first and without bodies.
   virtual Result<std::vector<Recording>> of(const std::string& user_id, Time now) = 0;
-  /// Also returns kNotFound for another user's recording.
+  /// Returns kNotFound also for another user's recording.
   virtual Result<Recording> find(const std::string& user_id, const std::string& id, Time now) = 0;
   virtual Result<void> remove(const std::string& user_id, const std::string& id) = 0;
   virtual Result<void> expire(Time now) = 0;

@@ -9,7 +9,7 @@
 
 namespace diaphane::api {
 
-/// Storage for deleting accounts.
+/// Deletes accounts from the database.
 class AccountDeletionStore {
  public:
   virtual ~AccountDeletionStore() = default;
@@ -32,7 +32,7 @@ class AccountDeletion {
         clock_(clock),
         signals_(signals) {}
 
-  /// Requires the password and, with two-factor authentication, the code, like
+  /// Requires the password and, with two-factor authentication, the code. Returns the errors of
   /// Accounts::confirm_password and confirm_code.
   Outcome<void> remove(const Principal& who, const std::string& password, const std::string& code);
 

@@ -24,7 +24,7 @@ class Disposer {
         environments_(environments),
         volume_directory_(std::move(volume_directory)),
         export_directory_(std::move(export_directory)) {}
-  /// Returns the number of deleted items.
+  /// Deletes what is queued and returns the number of deleted items.
   int dispose();
 
  private:

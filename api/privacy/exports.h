@@ -13,7 +13,7 @@
 
 namespace diaphane::api {
 
-/// An export of all data about a user as one zip file. A job creates it, and it is kept for a day.
+/// An export of all data about a user: one zip file, which is kept for a day.
 struct Export {
   enum class State { kQueued, kReady, kFailed };
   std::string id;
@@ -43,19 +43,19 @@ class ExportStore {
     std::int64_t kept = 0;  ///< size of all exports that are ready
   };
   virtual ~ExportStore() = default;
-  /// Replaces the existing export. Returns nothing if that one is in progress or was created after
-  /// `not_since`.
+  /// Replaces the user's existing export. Returns false if that one did not fail and was created
+  /// after `not_since`.
   virtual Result<bool> request(const std::string& user_id, const Export& requested,
                                Time not_since) = 0;
   virtual Result<std::optional<Export>> find(const std::string& user_id, Time now) = 0;
-  /// Returns false if there was none.
+  /// Deletes the user's export. Returns false if there is none.
   virtual Result<bool> remove(const std::string& user_id, Time now) = 0;
-  /// Leases the next export to create for `lease`. It fails permanently after three attempts.
+  /// Claims the next queued export for `lease`. It fails permanently after three attempts.
   virtual Result<std::optional<Job>> claim(Time now, std::chrono::seconds lease) = 0;
   /// Returns all database records about the user, table by table, without secrets.
   virtual Result<std::vector<ExportSection>> sections(const std::string& user_id) = 0;
   virtual Result<std::vector<std::string>> volumes(const std::string& user_id) = 0;
-  /// Returns the presets by any author that have a thumbnail of the user's own data sets.
+  /// A thumbnail of one of the user's data sets with a preset by any author.
   struct Picture {
     std::string data_set_id, preset_id;
   };
@@ -65,10 +65,10 @@ class ExportStore {
   /// in the export.
   virtual Result<void> note_download(const std::string& user_id, const Client& client,
                                      Time now) = 0;
-  /// Returns false if the export is no longer requested.
+  /// Marks the export as ready. Returns false if it was deleted in the meantime.
   virtual Result<bool> finish(const std::string& id, std::int64_t bytes) = 0;
   virtual Result<Sizes> sizes(const std::string& user_id) = 0;
-  /// Returns it to the queue until `not_before`, unless it is ready. The attempt does not count.
+  /// Returns a queued export to the queue until `not_before`. The attempt does not count.
   virtual Result<void> wait(const std::string& id, Time not_before) = 0;
   virtual Result<void> expire(Time now) = 0;
   /// Returns the IDs of all exports.
@@ -85,14 +85,14 @@ class ExportFile {
   virtual Result<std::int64_t> finish() = 0;
 };
 
-/// Creates the exports of users and returns their state. Thread-safe.
+/// Creates the exports of users and reports their state. Thread-safe.
 class Exports {
  public:
   using MakeFile = std::function<Result<std::unique_ptr<ExportFile>>(const std::string& path)>;
   static constexpr std::chrono::hours kLife{24};
   static constexpr std::chrono::minutes kPause{10};  ///< minimum time between two exports of a user
   static constexpr std::chrono::minutes kLease{30};
-  static constexpr std::chrono::seconds kFirstPause{2};  ///< doubled with each wait
+  static constexpr std::chrono::seconds kFirstPause{2};  ///< doubles with each wait
   static constexpr std::chrono::seconds kLongestPause{120};
 
   struct Options {
@@ -105,9 +105,9 @@ class Exports {
   Exports(ExportStore& store, MakeFile make_file, const Clock& clock, const Signals& signals,
           Options options);
 
-  /// Returns kTooMany soon after another request.
+  /// Requests an export. Returns kTooMany within kPause of the previous request.
   Outcome<Export> request(const Principal& who);
-  /// Returns kNotFound if there is none.
+  /// Returns the user's export, or kNotFound if there is none.
   Outcome<Export> find(const Principal& who);
   Outcome<void> remove(const Principal& who);
   /// Records the download and returns the file name in the export directory, kNotReady or

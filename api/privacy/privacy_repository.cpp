@@ -151,7 +151,7 @@ Result<std::vector<ExportSection>> PrivacyRepository::sections(const std::string
       sections.push_back({"scans/" + row["data_set_id"].as<std::string>() + "/marks.json",
                           row["sets"].as<std::string>()});
     }
-    // Hides the identity of other actors.
+    // Replaces actor IDs with by_you, which hides the identity of other actors.
     sections.push_back({"audit.json", transaction
                                           .exec_params1(R"sql(
         SELECT COALESCE(json_agg(json_build_object(
@@ -317,7 +317,7 @@ Result<std::vector<std::string>> PrivacyRepository::remove_account(
                                UNION ALL SELECT id FROM presets WHERE author_id = $1::uuid))sql",
         user_id);
     forget_viewer(transaction, user_id);
-    // A report may remain, but without the words of this user.
+    // A report may remain, but without the reporter's words.
     transaction.exec_params0("UPDATE reports SET words = '' WHERE reporter_id = $1::uuid", user_id);
     note_in_audit_log(transaction,
                       {AuditActor::kPerson,
@@ -332,7 +332,7 @@ Result<std::vector<std::string>> PrivacyRepository::remove_account(
     }
     transaction.exec_params0("DELETE FROM mail_queue WHERE lower(recipient) = lower($1)", email);
     queue_mail(transaction, notification, now);
-    // All other rows are deleted with this one (ON DELETE CASCADE).
+    // Deletes all other rows of the account, too (ON DELETE CASCADE).
     transaction.exec_params0("DELETE FROM users WHERE id = $1::uuid", user_id);
     return data_sets;
   });

@@ -8,7 +8,7 @@
 
 #include "api/shared/client.h"
 
-/// HTTP messages for the handlers, as plain values without types of a library.
+/// HTTP messages as plain values, so that the handlers are independent of the HTTP library.
 namespace diaphane::api {
 
 /// The head of a request. Header names are in lower case; repeated headers are joined with ", ".

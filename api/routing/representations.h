@@ -17,8 +17,8 @@ std::string http_date(Time time);
 Response json_response(int status, const nlohmann::ordered_json& body);
 Response empty_response(int status);
 /// Returns a JPEG below the cache directory, which the edge sends. Clients must revalidate it by
-/// its ETag each time, because it may have been rendered again or may no longer be visible to
-/// everyone.
+/// its ETag each time, because it may have been rendered again, or the client may have lost access
+/// to it.
 Response cached_picture(const std::string& path);
 
 }  // namespace diaphane::api

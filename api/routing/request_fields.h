@@ -16,7 +16,7 @@
 
 namespace diaphane::api {
 
-/// Limits of a password in a request, and of a code from an authenticator or an email.
+/// Maximum lengths of a password in a request, and of a code from an authenticator or an email.
 inline constexpr std::size_t kPasswordBytes = 800;
 inline constexpr std::size_t kCodeCharacters = 40;
 
@@ -27,33 +27,33 @@ inline constexpr std::size_t kCodeCharacters = 40;
 ///   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
 class Fields {
  public:
-  /// Maximum values of an ordinary body: one per 8 bytes of the largest body, a preset of 256 KB. A
-  /// value takes up to 160 bytes, so a body takes at most 5 MB. Without a limit, 1 MB of "[]" would
-  /// take 31 MB.
+  /// Maximum number of JSON values in an ordinary body: one per 8 bytes of the largest body, a
+  /// preset of 256 KB. A value takes up to 160 bytes, so a body takes at most 5 MB. Without a
+  /// limit, a body of 1 MB that repeats "[]" would take 31 MB.
   static constexpr std::size_t kMostValues = 32'768;
 
-  /// Also rejects a body that is nested more than kDeepestJson levels deep or has too many values.
+  /// Parses the body, which may have at most kDeepestJson levels and `most_values` values.
   explicit Fields(const Request& request, std::size_t most_values = kMostValues);
-  /// Reads texts from the header `where`. Their encoding is checked, because they may contain any
-  /// bytes.
+  /// Takes the fields from decoded texts of the header `where`. Checks that they are valid UTF-8,
+  /// because a header may contain any bytes.
   Fields(const std::string& where, const std::map<std::string, std::string>& texts);
 
-  /// Required. `low` to `high` characters of UTF-8 without control characters (a line feed in a
-  /// title is a mistake, a NUL is an attack).
+  /// Reads a required text of `low` to `high` characters without control characters (a line feed in
+  /// a title is a mistake, a NUL is an attack).
   std::string text(const std::string& name, std::size_t low, std::size_t high);
   std::string text_or(const std::string& name, std::string fallback, std::size_t high);
-  /// A name that is shown to other users: like `text`, but also without invisible characters
-  /// (common/names.h).
+  /// Reads a required name that is shown to other users. Removes invisible characters
+  /// (common/names.h) in addition to the checks of `text`.
   std::string name(const std::string& name, std::size_t low, std::size_t high);
-  /// Allows line feeds, for descriptions.
+  /// Reads an optional text that may contain line feeds, such as a description.
   std::string prose_or(const std::string& name, std::string fallback, std::size_t high);
-  /// Whether the field is present, and whether it is present and null (then it counts as read).
+  /// Return whether the field is present, or is null. A null field counts as read.
   bool has(const std::string& name) const { return object_.contains(name); }
   bool is_null(const std::string& name);
-  /// Required; must be one of `known`.
+  /// Reads a required text that must be one of `known`.
   std::string choice(const std::string& name, std::span<const std::string_view> known);
   bool boolean(const std::string& name);
-  /// Returns the text unmodified, even with control characters. For passwords.
+  /// Reads a required text, such as a password, that may contain any characters.
   std::string secret(const std::string& name, std::size_t high_bytes);
   std::int64_t integer(const std::string& name, std::int64_t low, std::int64_t high);
   std::int64_t integer_or(const std::string& name, std::int64_t fallback, std::int64_t low,
@@ -63,10 +63,10 @@ class Fields {
                                                std::int64_t high);
   std::optional<bool> optional_boolean(const std::string& name);
 
-  /// Required; null if it is missing. For values with their own format, which the caller checks.
-  /// Valid as long as this object.
+  /// Reads a required value whose format the caller checks, or null if it is missing. The reference
+  /// is valid as long as this object.
   const nlohmann::json& any(const std::string& name);
-  /// Reports an error that the caller found.
+  /// Adds an error that the caller found.
   void wrong(std::string field, std::string message);
 
   /// Returns kMediaType, kBadRequest (not JSON) or kInvalid with all errors, including unknown
@@ -86,14 +86,14 @@ class Fields {
   std::optional<Problem> unreadable_;
 };
 
-/// Returns a number from the query, or `fallback`. kInvalid names the parameter.
+/// Returns a number from the query, `fallback` if it is absent, or kInvalid if it is out of range.
 Outcome<int> integer_in_query(const Request& request, const std::string& name, int fallback,
                               int low, int high);
 
-/// Returns a text from the query, or an empty string. kInvalid names the parameter.
+/// Returns a text from the query, an empty string if it is absent, or kInvalid if it is too long.
 Outcome<std::string> text_in_query(const Request& request, const std::string& name,
                                    std::size_t high);
-/// Returns one of `known`, or an empty string.
+/// Returns one of `known` from the query, an empty string if absent, or kInvalid for another text.
 Outcome<std::string> choice_in_query(const Request& request, const std::string& name,
                                      std::span<const std::string_view> known);
 
@@ -104,7 +104,7 @@ Outcome<std::optional<Cursor>> cursor_in_query(const Request& request);
 /// nothing.
 std::optional<std::chrono::system_clock::time_point> time_of(const std::string& text);
 
-/// Returns the header, or an empty string if it is absent. Returns kInvalid for a malformed key.
+/// Returns the Idempotency-Key, an empty string if it is absent, or kInvalid if it is malformed.
 Outcome<std::string> idempotency_key(const Request& request);
 
 }  // namespace diaphane::api

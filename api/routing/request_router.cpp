@@ -43,7 +43,7 @@ bool is_safe(const std::string& method) {
   return method == "GET" || method == "HEAD" || method == "OPTIONS";
 }
 
-/// The request was already admitted, so the header is a number or absent.
+/// Returns the Content-Length, or 0 if it is absent. Admission has checked that it is a number.
 std::int64_t announced_bytes(const Request& request) {
   std::int64_t length = 0;
   const std::string_view text = request.header("content-length");
@@ -56,11 +56,11 @@ std::int64_t body_limit_of(const Route& route) {
                                          : route.body_limit;
 }
 
-/// The routes with the path of a request.
+/// The routes whose pattern matches the path of a request.
 struct PathMatch {
-  const Route* route = nullptr;  ///< with the method of the request, too
+  const Route* route = nullptr;  ///< the one that also matches the method
   std::map<std::string, std::string> parameters;
-  std::string allowed;  ///< the methods of all these routes
+  std::string allowed;  ///< the methods of all matching routes
 
   void allow(const std::string& method) { allowed += (allowed.empty() ? "" : ", ") + method; }
 };
@@ -119,7 +119,7 @@ bool is_header_text(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
 }
 
-/// Without consent, a person can still read and delete what the server holds of them.
+/// Returns whether a route needs consent. Without it, users can still read and delete their data.
 bool needs_consent(const Route& route) {
   const bool consenting =
       route.access == Access::kPerson || route.access == Access::kPersonOrOperator;
@@ -234,7 +234,7 @@ Outcome<Principal> RequestRouter::identify(const Route& route, const Request& re
   return principal;
 }
 
-/// Does not renew the session. The request itself does that and sends the cookie.
+/// Does not renew the session, because the request itself follows, which sends the new cookie.
 Outcome<Response> RequestRouter::decide_body(const Route& route, const Request& request) const {
   const auto principal = identify(route, request, Accounts::Renewal::kNo);
   DIAPHANE_TRY(principal);

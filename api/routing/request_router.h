@@ -31,13 +31,13 @@ struct Route {
   using Handler = std::function<Outcome<Response>(const Request&, const Principal&)>;
   std::string method;
   std::string pattern;    ///< "/v1/data-sets/{data_set_id}"
-  std::string operation;  ///< its operationId
+  std::string operation;  ///< its operationId in api/openapi.yaml
   Access access = Access::kPerson;
   Handler handler;
   std::vector<std::string> query;         ///< the allowed parameters
   std::int64_t body_limit = 1024 * 1024;  ///< bytes; without a principal at most kAnyoneBodyBytes
-  /// Checks from the head alone whether a body of this size would be accepted. The edge calls it
-  /// before it reads the body, and the handler checks again.
+  /// Checks, with only the head of the request, whether a body of this size would be accepted. The
+  /// edge calls it before it reads the body, and the handler checks again.
   std::function<Outcome<void>(const Request&, const Principal&, std::int64_t bytes)> body_check =
       nullptr;
 };
@@ -59,9 +59,9 @@ struct Measured {
   std::int64_t body_bytes = 0;
 };
 
-/// Handles everything around a handler: routing, authentication, cross-site requests, problem
-/// documents, request IDs, the log line and metrics. Independent of the HTTP library. Thread-safe
-/// once all routes are added.
+/// Does everything around a handler: routing, authentication, CSRF protection, problem documents,
+/// request IDs, the log line and metrics. Independent of the HTTP library. Thread-safe once all
+/// routes are added.
 class RequestRouter {
  public:
   struct Options {
@@ -76,22 +76,22 @@ class RequestRouter {
     Request request;
     bool asks_for_body = false;  ///< a query of the edge (kBodyGate), not the request itself
   };
-  /// The immediate response, if any.
+  /// The admitted request, or an immediate response: a refusal or the answer to OPTIONS.
   using Admission = std::variant<Admitted, Response>;
 
   RequestRouter(Accounts& accounts, Options options);
 
   void add(std::vector<Route> routes);
 
-  /// Checks the head: 400, 404, 405 and bodies that are announced as too large.
+  /// Checks the head: URL, method, query parameters and the announced length of the body.
   Admission admit(Head head) const;
   /// Runs the handler and may block. Every outcome, even a bug, becomes a response.
   Response serve(Admitted& admitted) const;
-  /// Returns the response if something other than a handler refuses (overload, a broken body).
+  /// Logs a refusal from outside a handler (overload, a broken body) and returns its response.
   Response refusal(const Problem& problem, const Request& request) const;
 
-  /// Returns `diaphane=...` with its attributes. Over HTTPS, the name is `__Host-diaphane`, which
-  /// no other host and no plain connection can set. An empty token deletes the cookie.
+  /// Returns the session cookie `diaphane=...`. Over HTTPS, its name is `__Host-diaphane`, which no
+  /// other host and no plain connection can set. An empty token deletes the cookie.
   std::string cookie(const std::string& token) const;
   std::string token_of(const Head& head) const;
   /// Returns `diaphane_browser=...`, which identifies a browser that has signed in before
@@ -117,7 +117,7 @@ class RequestRouter {
   std::vector<Route> routes_;
 };
 
-/// The Idempotency-Key of a request, with the cookie from which secrets are derived again.
+/// Returns the Idempotency-Key of a request and the cookie from which token_for derives secrets.
 Outcome<IdempotencyScope> idempotency_scope_of(const Request& request, const RequestRouter& router);
 
 }  // namespace diaphane::api

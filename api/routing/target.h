@@ -14,9 +14,9 @@ struct Target {
   std::map<std::string, std::string> query;  ///< decoded
 };
 
-/// Parses a request target once, so that the authorised target is the served one. Paths are
-/// compared literally. No route needs an escape, `//`, `.` or `..`, so a path that contains one is
-/// refused with kBadRequest.
+/// Parses a request target. It is parsed only once, so that the authorised target is the served
+/// one. Paths are compared literally. No route needs an escape, `//`, `.` or `..`, so a path that
+/// contains one is refused with kBadRequest.
 Outcome<Target> parse_target(std::string_view target);
 
 /// Returns the parameters of `path` if it matches `pattern` ("/v1/data-sets/{data_set_id}"),

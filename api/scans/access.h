@@ -26,16 +26,16 @@ enum class Action {
   kFind,        ///< see that it exists, its title and its size
   kLook,        ///< open it and get its images and presets
   kInvite,      ///< let others join your own session with a live link
-  kSavePreset,  ///< and change or delete your own presets
+  kSavePreset,  ///< save presets and marks, and change or delete your own
   kVote,        ///< vote for presets
   kReport,      ///< report abuse
-  kDescribe,    ///< set title, description, body part, labels and default preset; delete any preset
+  kDescribe,    ///< set metadata, labels and default preset; share marks; delete any preset
   kShare,       ///< list and change people and links
   kReadViews,   ///< see who viewed it
   kPublish,     ///< add it to the gallery or remove it
   kAnonymise,   ///< remove voxels
-  kDelete,      ///< with everything derived from it
-  kTakeDown,    ///< and restore it; delete any preset; read reports
+  kDelete,      ///< delete it with everything derived from it
+  kTakeDown,    ///< take down and restore it; delete any preset; read reports
 };
 inline constexpr std::array kActions{
     Action::kFind,      Action::kLook,     Action::kInvite,  Action::kSavePreset, Action::kVote,
@@ -53,14 +53,14 @@ inline constexpr std::array kExposures{Exposure::kPrivate, Exposure::kPublic, Ex
 
 bool may(Role role, Action action, Exposure exposure);
 
-/// The role of a signed-in user. An administrator also has the role that they would have otherwise.
+/// The role of a signed-in user. Administrators also keep the role that they have as a user.
 struct DataSetRelation {
   Role role = Role::kNobody;
   bool administrator = false;
 };
 bool may(const DataSetRelation& relation, Action action, Exposure exposure);
 
-/// "nobody", "unverified", "other", "shared-view", "shared-edit", "owner", "administrator".
+/// Returns the text of a role in the API and the database, such as "shared-view".
 std::string_view to_string(Role role);
 std::optional<Role> role_of(std::string_view text);
 

@@ -37,8 +37,8 @@ Outcome<Anonymise::View> Anonymise::cut(const Principal& who, const std::string&
     return not_ready(DataSetState::kQueued);
   }
   if (!ordered) return refuse(ordered.error());
-  // Nobody can open the data set now. Removes what shows the old voxels as far as possible. Workers
-  // detect the new volume themselves, and images older than the anonymisation are not served.
+  // The data set can no longer be opened. Its sessions and thumbnails still show the old voxels, so
+  // they are removed if possible. Workers detect the new volume, and older images are not served.
   if (const auto ended = placement_.end_all_of(id); !ended) {
     log::warning("failed to end the sessions of a scan that is to be anonymised",
                  {{"data_set", id}});

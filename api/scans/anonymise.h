@@ -22,12 +22,12 @@ struct CutFacts {
 /// An anonymisation job for ingestd.
 struct CutOrder {
   std::string data_set_id;
-  std::string region;       ///< JSON, volume/region.h
+  std::string region;       ///< region to keep, as JSON (volume/region.h)
   std::string volume_hash;  ///< hash of the volume that the owner reviewed
-  std::string asked_by;     ///< user ID
+  std::string asked_by;     ///< ID of the requesting user
 };
 
-/// Storage of cuts. Every function returns kUnavailable if the database is unavailable.
+/// Stores anonymisation jobs. Every function returns kUnavailable without the database.
 class CutStore {
  public:
   virtual ~CutStore() = default;

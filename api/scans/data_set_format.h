@@ -4,7 +4,7 @@
 
 #include "api/scans/data_set_store.h"
 
-/// The schema DataSet of api/openapi.yaml.
+/// Converts a data set to the schema DataSet of api/openapi.yaml.
 namespace diaphane::api {
 
 nlohmann::ordered_json to_json(const DataSet& data_set);

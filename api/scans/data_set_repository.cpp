@@ -12,8 +12,8 @@
 namespace diaphane::api {
 namespace {
 
-/// The owner as an SQL parameter; NULL is the operator of the sample. Compared with IS NOT DISTINCT
-/// FROM and is_sample, so that a deleted owner is never mistaken for the operator.
+/// Returns the owner as an SQL parameter. NULL means the operator of the sample. Queries must also
+/// check is_sample, so that a deleted owner is never mistaken for the operator.
 const char* owner_or_null(const Owner& owner) {
   return owner.user_id.empty() ? nullptr : owner.user_id.c_str();
 }

@@ -131,7 +131,7 @@ DataSet read_data_set(const pqxx::row& row) {
 }
 
 void accept_invitations(pqxx::work& transaction, const std::string& user_id) {
-  // A person who was invited at an old and at a new address keeps the first invitation.
+  // A user who was invited at two of their addresses keeps the first invitation.
   transaction.exec_params0(R"sql(
       UPDATE data_set_people p SET user_id = u.id
         FROM users u

@@ -3,7 +3,7 @@
 #include "api/scans/data_set_store.h"
 #include "api/shared/database.h"
 
-/// Reading a data set from its row, for all repositories that return data sets.
+/// Reads data sets from their rows, for all repositories that return data sets.
 namespace diaphane::api {
 
 /// A `SELECT ... WHERE` of the data sets that a viewer has a role for. Append further conditions
@@ -22,7 +22,7 @@ inline const char* viewer_or_null(const Viewer& viewer) {
   return viewer.user_id.empty() ? nullptr : viewer.user_id.c_str();
 }
 
-/// Assigns pending invitations for the user's confirmed address to the user.
+/// Assigns the pending invitations for a user's confirmed address to this user.
 void accept_invitations(pqxx::work& transaction, const std::string& user_id);
 
 }  // namespace diaphane::api

@@ -18,12 +18,12 @@
 
 namespace diaphane::api {
 
-/// The owner of a data set: a user, or empty for a sample, which belongs to nobody.
+/// The owner of a data set: a user, or nobody (an empty ID) for a sample.
 struct Owner {
   std::string user_id;
 };
 
-/// The requester, as far as lists and lookups need it. Nobody is neither a user nor the operator.
+/// The requester of a list or lookup. A visitor without an account has only default values.
 struct Viewer {
   std::string user_id;
   bool sample_operator = false;
@@ -35,7 +35,7 @@ enum class DataSetState { kUploading, kQueued, kBuilding, kReady, kRefused, kExp
 std::string_view to_string(DataSetState state);
 DataSetState data_set_state_of(std::string_view text);
 
-/// The upload of a scan has the ID of its data set, and that of labels an ID of its own.
+/// The upload of a scan has the ID of its data set, but an upload of labels has its own ID.
 struct Upload {
   std::string id;
   std::int64_t length = 0;    ///< bytes
@@ -44,13 +44,13 @@ struct Upload {
   DataSetState state = DataSetState::kUploading;
 };
 
-/// The labels of a scan, as its owner learns of them.
+/// The state of a scan's labels, which only the owner sees.
 struct LabelState {
   int count = 0;
   std::int64_t bytes = 0;
-  bool placing = false;                    ///< an upload is complete, and ingestd has not finished
+  bool placing = false;                    ///< ingestd is still processing a complete upload
   std::optional<Upload> upload;            ///< in progress
-  std::string refusal_code, refusal_text;  ///< of the last upload; empty: none
+  std::string refusal_code, refusal_text;  ///< of the last upload; empty if accepted
 };
 
 struct DataSet {
@@ -62,24 +62,24 @@ struct DataSet {
   Role role = Role::kNobody;  ///< role of the requester
   bool is_public = false;     ///< also true for samples
   bool is_sample = false;
-  bool public_slices = false;  ///< while it is public, viewers can get exact slices
+  bool public_slices = false;  ///< viewers can get exact slices while it is public
   bool taken_down = false;     ///< hidden by an administrator
   std::string taken_down_reason;
   std::string owner_name;     ///< chosen by the owner, or empty
   int people = 0, links = 0;  ///< number of people and links with access; visible to the owner
   std::optional<Time> published_at, anonymised_at;
-  std::string refusal_code, refusal_text;  ///< state kRefused
-  /// In state kQueued and visible to the owner: "room", "memory" or "service" if it waits for that
-  /// in addition to its turn, or empty.
+  std::string refusal_code, refusal_text;  ///< set in state kRefused
+  /// Visible to the owner in state kQueued: what the scan waits for in addition to its turn
+  /// ("room", "memory" or "service"), or empty.
   std::string waiting_for;
-  // State kReady:
+  // The following members are set in state kReady.
   std::string modality;
   std::array<int, 3> size{};
   std::array<double, 3> spacing{};  ///< mm
   std::int64_t volume_bytes = 0;
   std::vector<std::string> repairs;
-  LabelState labels;             ///< state kReady, and owned
-  std::optional<Upload> upload;  ///< state kUploading, and owned
+  LabelState labels;             ///< only in state kReady, for the owner
+  std::optional<Upload> upload;  ///< only in state kUploading, for the owner
   Time created_at;               ///< exact to the microsecond
   Time updated_at;
 
@@ -121,7 +121,7 @@ struct DataSetLimits {
 };
 
 struct TooManyDataSets {
-  bool unprocessed = false;  ///< whether the limit of unprocessed ones was reached
+  bool unprocessed = false;  ///< which limit was reached: `unprocessed` or `all`
 };
 
 /// Data that must be deleted from disk.
@@ -139,7 +139,8 @@ struct Disposal {
 };
 
 /// Data sets, their uploads and pending deletions. Every function returns kUnavailable if the
-/// database is unavailable. Each is one transaction and never finds data of other users.
+/// database is unavailable. Each is one transaction. An Owner or Viewer finds only what they may
+/// access.
 class DataSetStore {
  public:
   virtual ~DataSetStore() = default;
@@ -155,7 +156,7 @@ class DataSetStore {
   /// for an administrator, one that was taken down. Otherwise returns kNotFound.
   virtual Result<DataSet> find(const Viewer& viewer, const std::string& id) = 0;
   virtual Result<void> describe(const std::string& id, const Description& what, Time now) = 0;
-  /// Deletes an own data set and queues its files for deletion. Returns kNotFound.
+  /// Deletes the owner's data set and queues its files for deletion. May return kNotFound.
   virtual Result<void> remove(const Owner& owner, const std::string& id, Time now) = 0;
 
   virtual Result<Upload> find_upload(const Owner& owner, const std::string& id) = 0;
@@ -163,17 +164,17 @@ class DataSetStore {
   /// labels, and notifies ingestd. Returns kConflict if it is no longer at `from`.
   virtual Result<void> advance_upload(const std::string& id, std::int64_t from, std::int64_t to,
                                       Time expires_at, Time now) = 0;
-  /// Deletes an own upload that is incomplete, and its data set unless it is an upload of labels.
+  /// Deletes the owner's incomplete upload, and its data set unless it is an upload of labels.
   /// Returns kNotFound, or kConflict if it is complete.
   virtual Result<void> cancel_upload(const Owner& owner, const std::string& id, Time now) = 0;
   /// Marks inactive uploads as expired, queues their files for deletion and returns their number.
   virtual Result<int> expire_uploads(Time now) = 0;
 
-  /// Adds to the audit log, unless there is an equal entry after `not_since`.
+  /// Adds the entry to the audit log, unless there is an equal one after `not_since`.
   virtual Result<void> note_access(const AuditEntry& entry, Time not_since, Time now) = 0;
 
-  /// Adds to the view log and, unless there is an equal entry of the last hour, to the audit log.
-  /// `entry.subject_id` is the data set.
+  /// Adds the view to the view log and, unless there is an equal entry of the last hour, to the
+  /// audit log. `entry.subject_id` is the data set.
   virtual Result<void> note_view(const View& view, const AuditEntry& entry, Time now) = 0;
   virtual Result<std::vector<ViewEntry>> views(const std::string& id, const ViewQuery& query) = 0;
   /// Deletes entries of the view log after kViewLife.

@@ -14,17 +14,17 @@
 
 namespace diaphane::api {
 
-/// How a signed-in user gets to a data set that they may view.
+/// Returns how a signed-in user reaches a data set that they may view.
 ViewRoute route_of(const Principal& who, const DataSet& data_set);
 
-/// Announcing, listing and deleting data sets. Thread-safe.
+/// Manages data sets and checks the permissions on them. Thread-safe.
 class DataSets {
  public:
   struct Options {
     std::int64_t max_upload_bytes = std::int64_t{8} << 30;
     std::chrono::seconds upload_life = std::chrono::hours(24);  ///< time since the last part
-    /// Disk space to keep free in addition to announced uploads, for their volumes and the
-    /// database.
+    /// Disk space that must remain free after an announced upload, for the volumes that are built
+    /// from uploads and for the database.
     std::int64_t reserve_bytes = std::int64_t{1} << 30;
     DataSetLimits limits{50, 2000};  ///< per account
   };
@@ -42,12 +42,13 @@ class DataSets {
   DataSets(DataSetStore& store, Placement& placement, const Clock& clock, const Signals& signals,
            Options options, std::function<std::int64_t()> free_bytes);
 
-  /// Returns kOverQuota, kTooMany, kTooManyDataSets, kUploadTooLarge, kIdempotencyKeyReused or
-  /// kStorageFull.
+  /// Creates a data set and its upload. Returns kOverQuota, kTooMany, kTooManyDataSets,
+  /// kUploadTooLarge, kIdempotencyKeyReused or kStorageFull.
   Outcome<DataSet> announce(const Principal& who, const Announcement& announcement);
   Outcome<Page> list(const Principal& who, std::optional<Cursor> after, int limit);
-  /// The permission check of every route. Returns the data set if the user may perform the action,
-  /// kNotFound if they must not know of it, or kForbidden if only this action is not allowed.
+  /// Checks a permission, as every route does. Returns the data set if the user may perform the
+  /// action, kNotFound if they must not know of it, or kForbidden if only this action is not
+  /// allowed.
   Outcome<DataSet> authorise(const Principal& who, const std::string& id, Action action);
   Outcome<DataSet> find(const Principal& who, const std::string& id);
   /// Finds a data set to view. Returns kNotReady if it is not ready.
@@ -57,12 +58,12 @@ class DataSets {
 
   /// Records a view in the owner's log (view_log.h) and, at most once per hour, in the audit log.
   Outcome<void> note_view(const std::string& id, const View& view);
-  /// Records in the audit log, at most once per hour, that somebody but the owner gets a small
-  /// picture of a data set that is not public.
+  /// Records in the audit log, at most once per hour, that someone other than the owner got a
+  /// thumbnail of a data set that is not public.
   Outcome<void> note_picture(const Principal& who, const DataSet& data_set);
   /// Lists who viewed the data set, latest first.
   Outcome<ViewPage> views(const Principal& who, const std::string& id, ViewQuery query);
-  /// Records in the audit log that the owner made or ended the links to a live session.
+  /// Records in the audit log that the owner created or ended the links to a live session.
   Outcome<void> note_live_links(const Principal& who, const std::string& id,
                                 const std::string& action);
 

@@ -46,7 +46,7 @@ Result<LabelStore::Beginning> LabelRepository::begin(const NewLabels& labels, Ti
     if (!user_id.empty()) (void)lock_quota(transaction, user_id);
     if (!clear_the_way(transaction, labels.data_set_id)) return busy();
     if (!user_id.empty()) {
-      // Without the upload that was just deleted.
+      // The new quota excludes the upload that was just deleted.
       const Quota quota = lock_quota(transaction, user_id);
       if (labels.bytes > quota.bytes - quota.used) return OverQuota{quota};
     }
@@ -75,7 +75,7 @@ Result<void> LabelRepository::remove(const Owner& owner, const std::string& data
          WHERE id = $1)sql",
                              data_set_id, to_us(now));
     note(transaction, owner, "data-set.labels-removed", data_set_id, now);
-    // Under the lock, so that it cannot remove newer labels. It may run again without harm.
+    // Runs under the lock, so that it cannot remove newer labels. A retry is harmless.
     return remove_file();
   });
 }

@@ -16,8 +16,7 @@ struct NewLabels {
   Time expires_at;
 };
 
-/// Storage of the labels of scans. Every function returns kUnavailable if the database is
-/// unavailable.
+/// Stores the labels of scans. Every function returns kUnavailable if the database is unavailable.
 class LabelStore {
  public:
   virtual ~LabelStore() = default;
@@ -32,7 +31,7 @@ class LabelStore {
                               const std::function<Result<void>()>& remove_file, Time now) = 0;
 };
 
-/// The labels of scans: structures that somebody has marked. Thread-safe.
+/// The labels of scans: structures that someone has marked, voxel by voxel. Thread-safe.
 class ScanLabels {
  public:
   /// `remove_file` permanently removes the labels of a stored volume.
@@ -45,10 +44,10 @@ class ScanLabels {
         max_bytes_(max_bytes),
         remove_file_(std::move(remove_file)) {}
 
-  /// Announces a file of labels, which replaces those that the scan has. Returns the scan, with the
-  /// upload. Returns kNotReady, kConflict, kOverQuota or kUploadTooLarge.
+  /// Announces a file of labels, which replaces the scan's current labels. Returns the scan with
+  /// the upload, or kNotReady, kConflict, kOverQuota or kUploadTooLarge.
   Outcome<DataSet> announce(const Principal& who, const std::string& id, std::int64_t bytes);
-  /// Returns kNotReady or kConflict.
+  /// Removes the labels of a scan. Returns kNotReady or kConflict.
   Outcome<void> remove(const Principal& who, const std::string& id);
 
  private:

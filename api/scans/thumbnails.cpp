@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 7> kPresets{"skin",    "muscle", "vessels", "bone",
                                                    "through", "dense",  "airways"};
-/// Ends the name of each file. Raise the number with every change of the looks in
+/// The end of each file name. Increase the number with every change of the looks in
 /// renderd/scene/presets.cpp, so that no thumbnail shows a look that the scan no longer has.
 constexpr std::string_view kSuffix = ".6.jpg";
 /// Maximum number of requests that wait for a thumbnail of another request. Each holds a thread of
@@ -88,8 +88,8 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
   done_.notify_all();
   DIAPHANE_TRY(rendered);
 
-  // The data set was deleted or anonymised during the rendering. The deletion may have run before
-  // the file existed.
+  // The data set may have been deleted or anonymised during the rendering, and its thumbnails may
+  // have been deleted before this file existed.
   const auto still = data_sets_.find_ready(who, data_set_id);
   if (!still || still->anonymised_at != data_set->anonymised_at) (void)remove(data_set_id);
   DIAPHANE_TRY(still);

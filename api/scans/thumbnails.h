@@ -31,10 +31,10 @@ class Thumbnails {
   Result<void> remove(const std::string& data_set_id);
 
  private:
-  /// Returns false if the thumbnail is still being rendered after the wait, or too many requests
-  /// wait.
+  /// Waits while another request renders the thumbnail. Returns false after `patience_`, or if too
+  /// many requests wait.
   bool wait_for_render(std::unique_lock<std::mutex>& lock, const std::string& path);
-  /// Whether it exists and is not older than the anonymisation of its data set.
+  /// Returns whether the file exists and is newer than the anonymisation of its data set, if any.
   bool is_current(const std::string& path, const std::optional<Time>& cut_at) const;
   Outcome<void> render(const std::string& data_set_id, const std::string& preset,
                        const std::string& path);
@@ -46,8 +46,8 @@ class Thumbnails {
   const std::chrono::milliseconds patience_;
   std::mutex mutex_;
   std::condition_variable done_;
-  std::set<std::string> rendering_;  ///< paths
-  int waiting_ = 0;                  ///< requests
+  std::set<std::string> rendering_;  ///< paths of thumbnails being rendered
+  int waiting_ = 0;                  ///< number of waiting requests
 };
 
 }  // namespace diaphane::api

@@ -17,7 +17,7 @@ std::optional<std::int64_t> parse_offset(std::string_view text) {
   return value;
 }
 
-/// Returns nothing if the text is not base64 or has more than `most` bytes.
+/// Decodes base64. Returns nothing if the text is malformed or has more than `most` bytes.
 std::optional<std::string> decode_base64(std::string_view text, std::size_t most) {
   std::string bytes(most, '\0');
   std::size_t got = 0;

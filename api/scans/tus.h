@@ -10,7 +10,7 @@
 #include "api/shared/secrets.h"
 
 /// The rules of tus 1.0 (https://tus.io/protocols/resumable-upload; core, creation, checksum) for
-/// one request, as pure functions. They decide what to do, and uploads.cpp does it.
+/// one request, as pure functions. They decide what to do, and Uploads carries it out.
 namespace diaphane::api::tus {
 
 inline constexpr std::string_view kVersion = "1.0.0";
@@ -31,8 +31,8 @@ struct Creation {
   std::map<std::string, std::string, std::less<>> metadata;
 };
 
-/// Returns kInvalid for a malformed header or a deferred length. creation-defer-length is not
-/// supported, because size and quota are checked before the first byte.
+/// Parses the headers. Returns kInvalid for a malformed header or a deferred length: the size is
+/// checked before the first byte, so creation-defer-length is not supported.
 Outcome<Creation> plan_creation(const CreationRequest& request);
 
 /// The progress of an upload.
@@ -55,19 +55,19 @@ struct Checksum {
   std::string digest;  ///< raw bytes
 };
 
-/// Write the body at `offset` if it matches `checksum` (if present).
+/// An accepted part: its body is written at `offset` if it matches `checksum` (if present).
 struct Part {
   std::int64_t offset = 0;
   std::optional<Checksum> checksum;
   bool completes = false;
 };
 
-/// Returns kInvalid (a malformed header or a body beyond the announced length), kOffsetMismatch,
-/// kUploadExpired, kUploadComplete or kBodyTooLarge. An empty part at the end of a complete upload
-/// is accepted, because a client sends it again if the last response was lost.
+/// Checks a part. Returns kInvalid (a malformed header or a body beyond the announced length),
+/// kOffsetMismatch, kUploadExpired, kUploadComplete or kBodyTooLarge. An empty part at the end of a
+/// complete upload is accepted, because a client sends it again if the last response was lost.
 Outcome<Part> plan_part(const UploadProgress& progress, const PartRequest& request);
 
-/// Returns kInvalid unless the text is `<algorithm> <base64>` with an algorithm in kChecksums.
+/// Returns kInvalid unless the header is `<algorithm> <base64>` with an algorithm in kChecksums.
 Outcome<Checksum> parse_checksum(std::string_view header);
 bool fits(const Checksum& checksum, std::string_view bytes);
 

@@ -39,8 +39,7 @@ Result<void> UploadFiles::Open::write(std::int64_t offset, std::string_view byte
     offset += written;
   }
   // Data that is recorded as received must survive a power failure, because the browser discards
-  // it.
-  // The disk may be full only at this point, because some file systems allocate blocks late.
+  // its copy. A full disk may show only now, because some file systems allocate blocks late.
   if (::fdatasync(fd_) != 0) return given_back(fd_, start, errno);
   return {};
 }

@@ -15,7 +15,7 @@ class UploadFiles {
  public:
   explicit UploadFiles(std::string directory) : directory_(std::move(directory)) {}
 
-  /// Held while a part is written and recorded.
+  /// A locked file, held open while a part is written and recorded.
   class Open {
    public:
     explicit Open(int fd) : fd_(fd) {}
@@ -23,7 +23,7 @@ class UploadFiles {
     Open(Open&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
     Open(const Open&) = delete;
     Open& operator=(const Open&) = delete;
-    /// The data is on disk when this returns. Returns kTooLarge if the disk is full and
+    /// Writes the bytes to the disk before it returns. Returns kTooLarge if the disk is full and
     /// kUnavailable if it fails. In both cases, the file is truncated to `offset` again.
     Result<void> write(std::int64_t offset, std::string_view bytes);
 
@@ -31,11 +31,11 @@ class UploadFiles {
     int fd_;
   };
 
-  /// Returns kConflict if another writer holds the file, kTooLarge if the disk is full, or
-  /// kUnavailable. Creates the file only with `create`, so that a later part never recreates a
-  /// deleted file.
+  /// Opens and locks a file. Returns kConflict if another writer holds it, kTooLarge if the disk is
+  /// full, or kUnavailable. Creates the file only with `create`, so that a later part never
+  /// recreates a deleted file.
   Result<Open> open(const std::string& id, bool create);
-  /// A missing file is not an error.
+  /// Deletes the file. A missing file is not an error.
   Result<void> remove(const std::string& id);
   /// Returns the free space in bytes.
   std::int64_t free_bytes() const;

@@ -16,7 +16,7 @@ Response with_progress(Response response, const Upload& upload) {
   return response;
 }
 
-/// The version of tus is checked before anything else (tus 1.0, "Tus-Resumable").
+/// Makes the handler check the tus version before anything else (tus 1.0, "Tus-Resumable").
 Route::Handler speaking_tus(Route::Handler handler) {
   return [handler = std::move(handler)](const Request& request,
                                         const Principal& who) -> Outcome<Response> {
@@ -32,8 +32,8 @@ Route::Handler speaking_tus(Route::Handler handler) {
   };
 }
 
-/// The tus creation extension, the same announcement as POST /v1/data-sets in tus headers. Of the
-/// metadata, only `title` and `filetype` are used, never a file name.
+/// Announces a data set like POST /v1/data-sets, but with the headers of tus' creation extension.
+/// Uses only `title` and `filetype` of the metadata, never a file name.
 Outcome<Response> create_upload(DataSets& data_sets, const Request& request, const Principal& who) {
   auto key = idempotency_key(request);
   DIAPHANE_TRY(key);
@@ -41,7 +41,7 @@ Outcome<Response> create_upload(DataSets& data_sets, const Request& request, con
       tus::plan_creation({request.header("upload-length"), request.header("upload-metadata")});
   DIAPHANE_TRY(plan);
   if (!request.body.empty()) {
-    // creation-with-upload is not supported. The response decides whether data may be sent at all.
+    // creation-with-upload is not supported: data is sent only after the upload is accepted.
     return refuse_field("body", "must be empty; send the parts with PATCH");
   }
   const auto& fields = plan->metadata;

@@ -12,7 +12,7 @@ tl::unexpected<Problem> no_such_upload() {
   return refuse(ProblemKind::kNotFound, "Upload not found.");
 }
 
-/// Minutes instead of seconds, because someone has to free space.
+/// Suggests a retry after a minute instead of a second, because someone has to free space.
 tl::unexpected<Problem> storage_full() {
   return refuse(ProblemKind::kStorageFull,
                 "The server's storage is full at the moment. The data uploaded so far is kept. Try "
@@ -25,7 +25,8 @@ tl::unexpected<Problem> expired() {
                 "This upload was inactive for too long and has expired. Start it again.");
 }
 
-/// Whether the upload no longer exists, unlike an upload that cannot be looked up at the moment.
+/// Returns whether the upload no longer exists, unlike an upload that cannot be looked up at the
+/// moment.
 bool is_gone(const Problem& problem) {
   return problem.kind == ProblemKind::kNotFound || problem.kind == ProblemKind::kUploadExpired;
 }

@@ -13,7 +13,7 @@
 
 namespace diaphane::api {
 
-/// tus 1.0 on top of the store and the files. Thread-safe.
+/// Implements tus 1.0 (tus.h) with the store and the files. Thread-safe.
 class Uploads {
  public:
   /// Uploads leave `reserve_bytes` of the disk free, because the database uses the same disk.
@@ -26,12 +26,11 @@ class Uploads {
   /// returns before it reads the bytes.
   Outcome<void> check_part(const Principal& who, const std::string& id, std::string_view offset,
                            std::string_view checksum, std::int64_t bytes);
-  /// Returns the upload after the part. For errors, see tus.h. Also returns kLocked,
-  /// kChecksumMismatch or kStorageFull. Then nothing of the part is kept, and the offset is
-  /// unchanged.
+  /// Writes a part and returns the updated upload. For errors, see tus.h; also returns kLocked,
+  /// kChecksumMismatch or kStorageFull. An error discards the part, and the offset does not change.
   Outcome<Upload> append(const Principal& who, const std::string& id, std::string_view offset,
                          std::string_view checksum, std::string_view bytes);
-  /// Also deletes its data set. Returns kUploadComplete if all data has arrived.
+  /// Deletes an upload and, unless it is one of labels, its data set. Returns kUploadComplete.
   Outcome<void> terminate(const Principal& who, const std::string& id);
 
  private:

@@ -17,7 +17,7 @@
 /// administrators read, gets an entry in the same transaction (audit.h).
 namespace diaphane::api {
 
-/// How somebody got to a scan.
+/// How a viewer reached a scan.
 enum class ViewRoute {
   kOwner,
   kPerson,  ///< the owner shared it with them
@@ -25,7 +25,7 @@ enum class ViewRoute {
   kAdministrator,
   kLink,
   kLiveLink,  ///< as a guest of a session
-  kExport,    ///< in the file with all data about its owner
+  kExport,    ///< in the owner's export of all their data
 };
 inline constexpr std::array<std::pair<ViewRoute, std::string_view>, 7> kViewRoutes{{
     {ViewRoute::kOwner, "owner"},
@@ -41,23 +41,23 @@ ViewRoute view_route_of(std::string_view text);
 
 /// Retention time of an entry after the last view that it counts.
 inline constexpr std::chrono::hours kViewLife{24 * 90};
-/// Maximum number of entries per scan and route. Visitors of the gallery cannot push out those who
-/// came another way.
+/// Maximum number of entries per scan and route. The limit per route prevents visitors from the
+/// gallery from displacing the others.
 inline constexpr int kMostViews = 200;
-/// Views by one viewer within this time are one entry, so that reconnecting does not fill the log.
+/// Views by a viewer within this time share an entry, so that reconnecting does not fill the log.
 inline constexpr std::chrono::hours kSameView{1};
 
 struct View {
   ViewRoute route = ViewRoute::kOwner;
   std::string viewer;        ///< ID of an account, a visit or a participant
-  std::string link_id = {};  ///< ViewRoute::kLink
+  std::string link_id = {};  ///< ID of the link, for ViewRoute::kLink
   Client client;
 
-  /// Whether `viewer` is an account.
+  /// Returns whether `viewer` is an account.
   bool by_account() const { return route != ViewRoute::kLink && route != ViewRoute::kLiveLink; }
 };
 
-/// Returns the hash by which the log recognises a viewer again without knowing them.
+/// Returns the hash that identifies a viewer in the log without storing their ID.
 std::string viewer_hash(const std::string& viewer);
 
 /// One entry of the log, as the owner sees it.
@@ -65,7 +65,7 @@ struct ViewEntry {
   std::string id;
   ViewRoute route = ViewRoute::kOwner;
   std::string email_key;                ///< ViewRoute::kPerson: the address that the owner entered
-  std::optional<Time> link_created_at;  ///< ViewRoute::kLink
+  std::optional<Time> link_created_at;  ///< creation of the link, for ViewRoute::kLink
   std::string network;                  ///< coarse_network, or empty if unknown
   std::string browser;
   Time first_at, last_at;
@@ -73,7 +73,7 @@ struct ViewEntry {
 };
 
 struct ViewQuery {
-  bool own = true;  ///< also the owner's own views and exports
+  bool own = true;  ///< include the owner's own views and exports
   std::optional<Cursor> after;
   int limit = 0;
 };

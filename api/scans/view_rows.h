@@ -17,7 +17,7 @@ void note_views(pqxx::work& transaction, const std::vector<std::string>& data_se
 std::vector<ViewEntry> read_views(pqxx::work& transaction, const std::string& data_set_id,
                                   const ViewQuery& query);
 
-/// Makes the entries of an account that is being deleted anonymous.
+/// Anonymises the entries of an account that is being deleted.
 void forget_viewer(pqxx::work& transaction, const std::string& user_id);
 
 }  // namespace diaphane::api

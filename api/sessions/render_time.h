@@ -23,8 +23,8 @@ struct RenderAccount {
 
 using directory::SpentRenderTime;
 
-/// Storage of rendering time, in milliseconds of a device. Every function returns kUnavailable if
-/// the database is unavailable.
+/// Stores rendering time, in milliseconds of a device. Every function returns kUnavailable if the
+/// database is unavailable.
 class RenderTimeStore {
  public:
   virtual ~RenderTimeStore() = default;
@@ -46,7 +46,7 @@ class RenderTimeStore {
 class RenderTime {
  public:
   static constexpr std::chrono::minutes kGrace{2};
-  /// For this long after the grace period, ending the sessions is retried.
+  /// Time after the grace period during which ending the sessions is retried.
   static constexpr std::chrono::minutes kSearchWindow{15};
 
   RenderTime(RenderTimeStore& store, SpentRenderTime& spent, Placement& placement,
@@ -54,11 +54,11 @@ class RenderTime {
       : store_(store), spent_(spent), placement_(placement), clock_(clock) {}
 
   Outcome<RenderAccount> account(const std::string& user_id);
-  /// Returns kRenderTimeSpent for a new session if no time is left.
+  /// Returns kRenderTimeSpent if no time is left for a new session.
   Outcome<void> may_open(const Principal& who);
-  /// Does the same for an open session after the grace period.
+  /// Returns kRenderTimeSpent for an open session once the grace period is over.
   Outcome<void> may_go_on(const Principal& who);
-  /// Charges the reported time to the accounts and ends sessions. Call it every few seconds.
+  /// Charges the reported time and ends sessions after the grace period. Call it every few seconds.
   void poll();
 
  private:

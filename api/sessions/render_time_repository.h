@@ -5,7 +5,7 @@
 
 namespace diaphane::api {
 
-/// Device time by account and month (migrations/0004).
+/// The rendering time per account and month (migrations/0004).
 class RenderTimeRepository final : public RenderTimeStore {
  public:
   explicit RenderTimeRepository(Database& database) : database_(database) {}

@@ -34,12 +34,12 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
   request.browser = who.session_id;
   const auto placed = placement_.place(request);
   if (placed) {
-    // Access may have been revoked during the placement, by a caller that did not see this session.
+    // Access may have been revoked during the placement by a request that did not see this session.
     if (auto still = data_sets_.find_ready(who, data_set.id); !still) {
       (void)placement_.end(session_id);
       return tl::unexpected(still.error());
     }
-    // Nobody owns a sample, which is for everyone.
+    // Views of a sample are not recorded, because it is public and has no owner.
     if (!data_set.is_sample) {
       const View view{route_of(who, data_set), who.user_id, "", who.client};
       DIAPHANE_TRY(data_sets_.note_view(data_set.id, view));
@@ -115,7 +115,7 @@ Outcome<ErrorCurve> Sessions::error_curve(const Principal& who, const std::strin
   const auto session = find(who, id);
   DIAPHANE_TRY(session);
   auto curve = error_curves_.find(session->worker_id, id);
-  // The worker gets the session with its first viewer.
+  // The worker does not know the session before its first viewer connects.
   if (!curve && curve.error().code == ErrorCode::kNotFound) return ErrorCurve{};
   if (!curve) return refuse(curve.error());
   return *std::move(curve);

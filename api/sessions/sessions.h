@@ -31,17 +31,18 @@ class Sessions {
         first_scene_(std::move(first_scene)) {}
 
   /// Opens a session on a data set. Returns kNotFound or kNotReady (the data set), kNoWorker,
-  /// kUnavailable (Redis), kTooMany, kRenderTimeSpent or kIdempotencyKeyReused.
+  /// kUnavailable (Redis), kTooMany, kRenderTimeSpent, kIdempotencyKeyReused, or kUnauthenticated
+  /// if the browser was signed out in the meantime.
   Outcome<Stream> open(const Principal& who, const std::string& data_set_id,
                        const std::string& idempotency_key);
   Outcome<std::vector<SessionInfo>> list(const Principal& who);
-  /// Also returns kNotFound for another user's session.
+  /// Returns the user's session. Returns kNotFound also for another user's session.
   Outcome<SessionInfo> find(const Principal& who, const std::string& id);
   Outcome<void> end(const Principal& who, const std::string& id);
   /// Returns a new ticket. Places the session on another worker if its worker is gone.
   Outcome<Stream> ticket(const Principal& who, const std::string& id);
 
-  /// Returns a curve without points before the first picture.
+  /// Returns the session's error curve, which has no points before the first picture.
   Outcome<ErrorCurve> error_curve(const Principal& who, const std::string& id);
 
  private:

@@ -22,16 +22,16 @@ inline constexpr std::chrono::hours kAuditLife{24 * 366};
 enum class AuditActor { kPerson, kAdministrator, kMachine };
 std::string_view to_string(AuditActor actor);
 
-/// A number or a code word of at most 40 characters of [a-z0-9_.-]. User input and scan data do not
-/// fit in.
+/// The name and value of a detail. A text value is a code word: 1 to 40 characters of [a-z0-9_.-],
+/// so that user input and scan data do not fit.
 using AuditDetail = std::pair<std::string, std::variant<std::int64_t, std::string>>;
 
-/// Whether the text may be a detail.
+/// Returns whether the text is a code word.
 bool is_code_word(std::string_view text);
 
 struct AuditEntry {
   AuditActor actor = AuditActor::kPerson;
-  std::string actor_id;  ///< empty for the system or a deleted account
+  std::string actor_id;  ///< the account's ID; empty for the system or a deleted account
   std::string action;    ///< "account.password-changed"
   std::string subject;   ///< "account", "data_set"
   std::string subject_id;

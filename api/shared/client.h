@@ -4,7 +4,7 @@
 
 namespace diaphane::api {
 
-/// Where a request comes from, as the edge reports it.
+/// The sender of a request, as the edge reports it.
 struct Client {
   std::string address;  ///< IPv4 or IPv6, or "local" without an edge
   std::string browser;  ///< approximate, such as "Firefox on Windows"; never the User-Agent itself

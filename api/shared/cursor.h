@@ -11,7 +11,7 @@ namespace diaphane::api {
 /// The end of a page of a newest-first list: the creation time of its last entry and, to break
 /// ties, its ID.
 struct Cursor {
-  std::int64_t created_us = 0;  ///< microseconds since 1970, as Postgres keeps them
+  std::int64_t created_us = 0;  ///< microseconds since 1970, the precision of Postgres
   std::string id;
 
   friend bool operator==(const Cursor&, const Cursor&) = default;

@@ -7,8 +7,8 @@
 namespace diaphane::api {
 namespace {
 
-/// Connecting takes milliseconds, and a refusal is immediate. If it takes longer than this, the
-/// server did not respond.
+/// Connecting takes milliseconds, and a refusal is immediate. An attempt that fails after a longer
+/// time than this means that the server did not respond.
 constexpr auto kConnectingIsSilence = std::chrono::milliseconds(900);
 
 bool starts_with_any(std::string_view state, std::initializer_list<std::string_view> prefixes) {
@@ -111,9 +111,9 @@ Database::FailureKind Database::judge(Lease& lease, CallSite where) {
     return FailureKind::kConflict;
   } catch (const pqxx::sql_error& error) {
     lease.answered();
-    // Shutting down or starting up (57P0x), out of connections, memory or disk (53), the disk is
-    // broken (58), connection (08), too slow (57014, 55P03), idle for too long (25P03), a standby
-    // (25006).
+    // The server is shutting down or starting up (57P0x), is out of connections, memory or disk
+    // space (53), has an I/O error (58), lost the connection (08), was too slow (57014, 55P03),
+    // ended an idle transaction (25P03) or is a standby (25006).
     if (starts_with_any(error.sqlstate(), {"57", "53", "58", "08", "55P03", "25P03", "25006"})) {
       lease.discard();
       return FailureKind::kUnavailable;

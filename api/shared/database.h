@@ -78,7 +78,7 @@ class Database {
     Lease(const Lease&) = delete;
     Lease& operator=(const Lease&) = delete;
     bool granted() const { return granted_; }
-    /// Whether the connection was used before, so that it may have died unnoticed.
+    /// Returns whether the connection was used before, so that it may have died unnoticed.
     bool reused() const { return reused_; }
     /// Throws pqxx::broken_connection if the server is unavailable.
     pqxx::connection& connection();

@@ -9,7 +9,7 @@ namespace diaphane::api {
 struct IdempotencyKey {
   std::string route;
   std::string key;
-  std::string request_hash;  ///< secrets.h, blake2b
+  std::string request_hash;  ///< BLAKE2b hash of the request (secrets.h)
 };
 
 struct Created {
@@ -18,10 +18,10 @@ struct Created {
 };
 struct KeyReused {};  ///< the key was used before with a different request
 
-/// For resources with a secret that is not stored, such as the token of a link.
+/// The inputs from which token_for derives a resource's secret, which is not stored.
 struct IdempotencyScope {
   std::string key;      ///< key of the request; if empty, each request creates a new resource
-  std::string browser;  ///< the cookie, a secret that only the user's browser knows
+  std::string browser;  ///< the session cookie, a secret of the user's browser
 };
 
 /// Returns a token of 256 bits (secrets.h, is_token). It is random without a key and otherwise the

@@ -13,7 +13,7 @@ namespace diaphane::api {
 std::optional<std::variant<Created, KeyReused>> made_before(
     pqxx::work& transaction, const std::string& user_id, const std::optional<IdempotencyKey>& key);
 
-/// Call it in the same transaction after the creation. Without a key, it does nothing.
+/// Records in the transaction of the creation that the key, if any, created the resource `id`.
 void note_made(pqxx::work& transaction, const std::string& user_id,
                const std::optional<IdempotencyKey>& key, const std::string& id, Time now);
 

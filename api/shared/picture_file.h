@@ -7,8 +7,8 @@
 
 namespace diaphane::api {
 
-/// Creates the folder, writes to a temporary name and renames the file, so that a reader never sees
-/// half an image. Returns kUnavailable on failure.
+/// Writes an image file and creates its folder. The file is written under a temporary name and then
+/// renamed, so that a reader never sees half an image. Returns kUnavailable on failure.
 Result<void> write_picture(const std::string& path, std::string_view bytes);
 
 }  // namespace diaphane::api

@@ -3,7 +3,7 @@
 #include "api/shared/stills.h"
 #include "directory/placement.h"
 
-/// The session directory, in the names of the API's services.
+/// Imports the names of the session directory that the API's services use.
 namespace diaphane::api {
 
 using directory::Attachment;

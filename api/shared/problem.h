@@ -7,7 +7,7 @@
 
 #include "common/result.h"
 
-/// The errors of the REST API. They are finer than ErrorCode, because clients act on them.
+/// The errors of the REST API. They are more specific than ErrorCode, because clients act on them.
 /// routing/problem_document.h turns them into RFC 9457 documents.
 namespace diaphane::api {
 
@@ -78,7 +78,7 @@ inline tl::unexpected<Problem> refuse(ProblemKind kind, std::string detail,
 /// Returns kInvalid with a single field.
 tl::unexpected<Problem> refuse_field(std::string field, std::string message);
 
-/// Converts an expected failure of an adapter if no finer kind is known.
+/// Converts an expected failure of an adapter for which no more specific kind is known.
 Problem from_error(const Error& error);
 inline tl::unexpected<Problem> refuse(const Error& error) {
   return tl::unexpected<Problem>(from_error(error));

@@ -56,7 +56,7 @@ bool is_token(std::string_view text) {
 
 std::string id_from(std::string_view text) {
   auto raw = blake2b_raw(text);
-  // The bits of RFC 9562 version 8 (custom).
+  // Sets the version and variant bits of a UUID of version 8 (custom, RFC 9562).
   raw[6] = static_cast<unsigned char>((raw[6] & 0x0f) | 0x80);
   raw[8] = static_cast<unsigned char>((raw[8] & 0x3f) | 0x80);
   const std::string all = hex(raw.data(), 16);

@@ -10,21 +10,21 @@
 /// Cryptography for accounts and uploads, based on libsodium and libcrypto.
 namespace diaphane::api {
 
-/// BLAKE2b-256 of `text` as 64 lower-case hexadecimal digits. Tokens are random and 256 bits long,
-/// so a plain hash is enough to keep them out of the database (no salt, no stretching).
+/// Returns BLAKE2b-256 of `text` as 64 lower-case hexadecimal digits. Tokens are random and 256
+/// bits long, so a plain hash without salt or stretching keeps them out of the database.
 std::string blake2b(std::string_view text);
 
-/// Compares in time that depends only on the lengths.
+/// Compares two texts in a time that depends only on their lengths.
 bool equal_in_constant_time(std::string_view a, std::string_view b);
 
-/// Whether the text is 64 lower-case hexadecimal digits, the form of every token that we issue.
+/// Returns whether the text has the form of our tokens: 64 lower-case hexadecimal digits.
 bool is_token(std::string_view text);
 
 /// Derives a UUID from a text, for resources whose creation is idempotent.
 std::string id_from(std::string_view text);
 
-/// Encrypts values that the database must return and not only compare. The key comes from a file.
-/// Uses XChaCha20-Poly1305.
+/// Encrypts values that the server must read back from the database, unlike passwords, which it
+/// only compares. Uses XChaCha20-Poly1305.
 class SealingKey {
  public:
   /// Reads the key from a file with 64 hexadecimal digits. Returns kInvalid if the file is missing
@@ -33,10 +33,10 @@ class SealingKey {
   /// Returns kInvalid unless the text is 64 hexadecimal digits.
   static Result<SealingKey> of_hex(std::string_view text);
 
-  /// Returns hexadecimal text. `whose` is not secret, but must be the same for opening, so that a
-  /// sealed text cannot be moved to another account.
+  /// Returns the encrypted text in hexadecimal. `whose` is the associated data: open() requires the
+  /// same, so that a sealed text cannot be moved to another account.
   std::string seal(std::string_view plain, std::string_view whose) const;
-  /// Returns nothing if the text is damaged or was sealed with another key or another `whose`.
+  /// Decrypts `sealed`. Returns nothing if it is damaged or the key or `whose` is a different one.
   std::optional<std::string> open(std::string_view sealed, std::string_view whose) const;
   /// Returns the keyed BLAKE2b-128 hash of `text` in hexadecimal.
   std::string mac(std::string_view text) const;

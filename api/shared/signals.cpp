@@ -10,7 +10,7 @@ void Signals::subscribe(Signal signal, Listener listener) {
 }
 
 void Signals::raise(Signal signal) const {
-  // A copy, because a listener may raise another signal.
+  // The listeners are copied, because one of them may raise another signal.
   const auto listeners = [&] {
     const std::lock_guard lock(mutex_);
     return listeners_[static_cast<std::size_t>(signal)];

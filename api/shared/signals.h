@@ -7,7 +7,7 @@
 
 namespace diaphane::api {
 
-/// What a service has done that concerns a background task, which would otherwise notice it only in
+/// An event that a service reports to a background task, which would otherwise notice it only in
 /// its next poll.
 enum class Signal {
   kMail,      ///< an email was queued

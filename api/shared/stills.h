@@ -9,7 +9,7 @@ namespace diaphane::api {
 
 struct StillRequest {
   std::string data_set_id;
-  std::string preset;      ///< name of a built-in preset; or
+  std::string preset;      ///< name of a built-in preset, if there is no scene
   std::string scene = {};  ///< a serialised diaphane.v1.Scene
   std::uint32_t width = 480, height = 480;
   std::uint32_t samples = 256;  ///< maximum per pixel
@@ -24,8 +24,8 @@ struct StillRequest {
 class Stills {
  public:
   virtual ~Stills() = default;
-  /// Returns JPEG bytes, kUnavailable if no worker responds, or kNotFound if the worker has no such
-  /// volume.
+  /// Returns JPEG bytes, kUnavailable if no worker responds, kNotFound if the worker has no such
+  /// volume, or kInvalid for an unknown preset or a malformed scene.
   virtual Result<std::string> render(const StillRequest& request) = 0;
 };
 

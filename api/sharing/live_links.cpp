@@ -69,7 +69,7 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
     return refuse(ProblemKind::kTooManyAttempts,
                   "Too many people are joining from your network. Try again later.", **wait);
   }
-  // The owner may have lost access to the data set. Then guests must not see it either.
+  // If the owner has lost access to the data set, guests must not see it either.
   Principal owner;
   owner.user_id = session->user_id;
   const auto data_set = data_sets_.find_ready(owner, session->data_set_id);
@@ -95,7 +95,7 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
                   std::chrono::seconds(30));
   }
   if (placed) {
-    // Nobody owns a sample, which is for everyone.
+    // Views of a sample are not recorded, because it is public and has no owner.
     if (!data_set->is_sample) {
       const View view{ViewRoute::kLiveLink, participant, "", client};
       DIAPHANE_TRY(data_sets_.note_view(data_set->id, view));

@@ -11,8 +11,8 @@
 
 namespace diaphane::api {
 
-/// Joining a session with a link that its owner can disable. Holders of the link need no account.
-/// They see the images and the other participants, but nothing else of the owner. Thread-safe.
+/// Lets guests join a session with a link that its owner can disable. Guests need no account. They
+/// see the images and the other participants, but no other data of the owner. Thread-safe.
 class LiveLinks {
  public:
   struct Joined {
@@ -21,8 +21,8 @@ class LiveLinks {
   };
 
   struct Options {
-    /// Limits on joins within 15 minutes. They are sufficient for a class behind one address whose
-    /// streams break now and then.
+    /// Limits on joins within 15 minutes. They suffice for a school class behind one address whose
+    /// streams break occasionally.
     int by_address = 240;
     int by_link = 960;
   };

@@ -5,7 +5,7 @@
 namespace diaphane::api {
 namespace {
 
-/// Closes the reports about what was taken down, and notes it. `column`: of its ID in `reports`.
+/// Closes the reports whose `column` is `id` after a take-down, and adds the audit entry.
 Result<void> close_reports(pqxx::work& transaction, const std::string& column,
                            const std::string& id, const AuditEntry& entry, Time now) {
   transaction.exec_params0("UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6) WHERE " +

@@ -5,7 +5,7 @@
 
 namespace diaphane::api {
 
-/// Reports and take-downs (migrations/0005, of presets 0008).
+/// Reports and take-downs of data sets (migrations/0005) and of presets (0008).
 class ReportRepository final : public ReportStore {
  public:
   explicit ReportRepository(Database& database) : database_(database) {}

@@ -9,7 +9,7 @@ namespace {
 
 constexpr auto kAdmin = Access::kAdministrator;
 
-/// What a user says about the data set or preset that the path names.
+/// A user's complaint about the data set or preset in the path.
 struct Complaint {
   std::string reason, words;
 };

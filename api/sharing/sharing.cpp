@@ -45,12 +45,12 @@ Result<std::optional<std::chrono::seconds>> note_first_attempt(AccountStore& acc
   return wait;
 }
 
-/// Records a new visit with a link in the logs. Ends it if its access was revoked during the
-/// placement, by a caller that did not see its session.
+/// Records a new visit with a link in the logs. Ends the visit if its access was revoked during the
+/// placement by a request that did not see its session.
 Outcome<void> confirm_visit(const SharingParts& parts, const Visit& visit, const Client& client,
                             Time now) {
   const auto still = parts.store.find_visit(visit.session_id, now);
-  if (still && visit.link_id.empty()) return {};  // a sample is for everyone
+  if (still && visit.link_id.empty()) return {};  // visits to samples are not logged
   if (still) {
     return parts.data_sets.note_view(visit.data_set_id,
                                      {ViewRoute::kLink, visit.session_id, visit.link_id, client});
@@ -76,7 +76,7 @@ Outcome<void> Sharing::share_with(const Principal& who, const std::string& id,
   const std::string key = email_key(email);
   if (key == email_key(who.email)) return refuse_field("email", "This is your own email address.");
   const auto now = parts_.clock.wall();
-  // Each of them may send an email to a stranger.
+  // The number is limited, because each invitation may send an email to a stranger.
   const auto wait = parts_.accounts.note_attempt(
       {{blake2b("invite:" + who.user_id), options_.invitations, std::chrono::hours(24)}}, now);
   if (!wait) return refuse(wait.error());
@@ -269,7 +269,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
     slices = followed->link.slices;
     visit.expires_at = std::min(followed->link.expires_at, Time(now + options_.link_life));
   }
-  // Includes the link, so that the same key with another link is another visit.
+  // The ID includes the link, so that the same key with another link is another visit.
   visit.session_id = id_from("visit\n" + key + "\n" + visit.data_set_id + "\n" + visit.link_id);
   if (const auto known = parts_.store.find_visit(visit.session_id, now); !known) {
     if (known.error().code != ErrorCode::kNotFound) return refuse(known.error());
@@ -295,7 +295,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const bool no_slot =
       !placed && (placed.error().code == ErrorCode::kTooLarge ||
                   (placed.error().code == ErrorCode::kUnavailable && parts_.placement.reachable()));
-  // There is no session, so the record must not count as a visit.
+  // No session was opened, so the record must not count as a visit.
   if (no_slot) (void)parts_.store.forget_visit(visit.session_id);
   if (no_slot && placed.error().code == ErrorCode::kTooLarge) return no_place_for_visitors();
   if (no_slot) {

@@ -48,14 +48,16 @@ class Sharing {
       : parts_(parts), options_(std::move(options)) {}
 
   Outcome<std::vector<SharedPerson>> people(const Principal& who, const std::string& id);
-  /// Gives the same answer whether or not the account exists. Returns kInvalid or kTooMany.
+  /// Shares with an address. Gives the same answer whether or not it has an account. Returns
+  /// kInvalid, kTooMany or kTooManyAttempts.
   Outcome<void> share_with(const Principal& who, const std::string& id, const std::string& email,
                            bool may_save);
   Outcome<void> unshare(const Principal& who, const std::string& id, const std::string& person_id);
 
   Outcome<std::vector<DataSetLink>> links(const Principal& who, const std::string& id);
-  /// The same key returns the same link and token in the browser that created it, and kConflict in
-  /// another browser or once it is disabled. Returns kTooMany or kIdempotencyKeyReused.
+  /// Creates a link. The same key returns the same link and token in the browser that created it,
+  /// and kConflict in another browser or once the link is disabled. Returns kTooMany or
+  /// kIdempotencyKeyReused.
   Outcome<NewLink> make_link(const Principal& who, const std::string& id, std::chrono::hours life,
                              bool slices, const IdempotencyScope& once);
   Outcome<void> end_link(const Principal& who, const std::string& id, const std::string& link_id);
@@ -86,7 +88,8 @@ class Sharing {
   Options options_;
 };
 
-/// Viewing without an account: a sample, or with a link. Limited in number and time. Thread-safe.
+/// Visits without an account: to a sample, or with a link. Limits their number and time.
+/// Thread-safe.
 class Visits {
  public:
   struct Options {
@@ -115,7 +118,7 @@ class Visits {
   /// with a new ticket. Returns kNotFound, kTooManyAttempts, kBusy or kNoWorker.
   Outcome<Opened> open(const std::string& token, const std::string& data_set_id,
                        const std::string& key, const Client& client);
-  /// Ends expired visits.
+  /// Ends expired visits and deletes expired links.
   void expire();
 
  private:

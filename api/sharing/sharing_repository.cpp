@@ -8,13 +8,13 @@
 namespace diaphane::api {
 namespace {
 
-/// Serialises concurrent additions, so that each is counted, and prevents additions to a data set
-/// that is being deleted.
+/// Locks a data set, so that concurrent additions are serialised and each is counted. Returns false
+/// if the data set no longer exists.
 bool lock_data_set(pqxx::work& transaction, const std::string& id) {
   return !transaction.exec_params("SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", id).empty();
 }
 
-/// Only the owner of a data set changes who may see it (access.h), so the owner is the actor.
+/// Adds an audit entry. Its actor is the owner, because only owners change access (access.h).
 void note_change_of_access(pqxx::work& transaction, const std::string& data_set_id,
                            const std::string& action, const std::vector<AuditDetail>& details,
                            Time now) {
@@ -78,7 +78,7 @@ Result<bool> SharingRepository::share_with(const std::string& data_set_id,
         VALUES ($1, $2, $3, $4, to_timestamp($5::bigint / 1e6)))sql",
                              person.id, data_set_id, person.email_key, person.may_save,
                              to_us(person.created_at));
-    // Grants access to the current owner of the address.
+    // Grants access at once if the address has a confirmed account.
     const pqxx::result existing =
         transaction.exec_params("SELECT id FROM users WHERE email_key = $1", person.email_key);
     if (!existing.empty()) accept_invitations(transaction, existing[0]["id"].as<std::string>());
@@ -150,7 +150,7 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
       return fail(ErrorCode::kTooMany,
                   "This scan has reached its link limit. Disable a link first.");
     }
-    // A key whose record has expired still derives the token of its original link.
+    // A key whose record has expired still derives the token of its link, which may still exist.
     const pqxx::result made = transaction.exec_params(
         R"sql(
         INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at, slices)

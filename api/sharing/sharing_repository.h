@@ -5,7 +5,7 @@
 
 namespace diaphane::api {
 
-/// People, links, the gallery, visits (migrations/0005).
+/// People, links, the gallery and visits (migrations/0005).
 class SharingRepository final : public SharingStore {
  public:
   explicit SharingRepository(Database& database) : database_(database) {}

@@ -9,8 +9,8 @@
 
 namespace diaphane::api {
 
-/// A person with access to a data set, with the address as its owner typed it. Does not reveal
-/// whether an account exists.
+/// A person with access to a data set. The address is the one that the owner entered, so that it
+/// does not reveal whether an account exists.
 struct SharedPerson {
   std::string id;  ///< ID of the permission, not of an account
   std::string email_key;
@@ -49,7 +49,7 @@ struct VisitLimits {
   int most = 0, by_address = 0, by_link = 0;
 };
 
-/// Storage of permissions and links. Every function returns kUnavailable if the database is
+/// Stores permissions and links. Every function returns kUnavailable if the database is
 /// unavailable. Each is one transaction, which includes its entry in the audit log. The caller
 /// checks permissions first (access.h).
 class SharingStore {
@@ -61,18 +61,18 @@ class SharingStore {
   /// Returns kTooMany if there are already `most`, and false for an existing person.
   virtual Result<bool> share_with(const std::string& data_set_id, const SharedPerson& person,
                                   int most, const Mail& mail) = 0;
-  /// kNotFound.
+  /// Withdraws a permission. Returns kNotFound if it does not exist.
   virtual Result<void> unshare(const std::string& data_set_id, const std::string& person_id,
                                Time now) = 0;
 
   virtual Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) = 0;
-  /// `key` is a key of the user `owner_id`. If the key has created a link before, returns that
-  /// link, or kConflict if it no longer exists or has another token. Returns kTooMany if there are
-  /// already `most` links.
+  /// Creates a link. If the user's `key` has created a link before, returns that link, or kConflict
+  /// if it no longer exists or has another token. Returns kTooMany if there are already `most`
+  /// links.
   virtual Result<std::variant<DataSetLink, KeyReused>> make_link(
       const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,
       int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) = 0;
-  /// Also deletes its visits. Returns kNotFound.
+  /// Deletes a link and its visits. Returns kNotFound if it does not exist.
   virtual Result<void> end_link(const std::string& data_set_id, const std::string& link_id,
                                 Time now) = 0;
   struct Followed {
@@ -92,11 +92,11 @@ class SharingStore {
   virtual Result<void> set_public_name(const std::string& user_id, const std::string& name) = 0;
 
   /// Records the visit. A repeated call returns the existing one unchanged. Returns kTooMany if a
-  /// limit is reached. Then `field` names it: "address", "link" or empty for the total.
+  /// limit is reached. The error's `field` names it: "address", "link" or empty for the total.
   virtual Result<Visit> note_visit(const Visit& visit, const VisitLimits& limits, Time now) = 0;
-  /// Returns kNotFound if there is none or it has expired.
+  /// Returns the visit, or kNotFound if it does not exist or has expired.
   virtual Result<Visit> find_visit(const std::string& session_id, Time now) = 0;
-  /// Returns the sessions to end and then forget.
+  /// Returns the session IDs of expired visits, which the caller must end and then forget.
   virtual Result<std::vector<std::string>> expired_visits(Time now) = 0;
   virtual Result<void> forget_visit(const std::string& session_id) = 0;
   virtual Result<void> expire_links(Time now) = 0;

@@ -4,9 +4,9 @@
 
 namespace diaphane::api::stream {
 
-/// The reason why a stream was closed (docs/contracts.md, "Stream"). The page reconnects with a new
-/// ticket after every code except kDone, kMalformed, kSessionGone, kTakenOver, kLinkEnded and
-/// kDisplaced.
+/// The reason why a stream was closed, as the code of the WebSocket close frame. The values and the
+/// page's reaction to each are part of the protocol (docs/contracts.md, "Stream"), so they must not
+/// change.
 enum class CloseCode : std::uint16_t {
   kDone = 1000,
   kGoingAway = 1001,    ///< the gateway is stopping

@@ -17,16 +17,16 @@ using std::chrono::steady_clock;
 
 namespace {
 
-// Enough for two frames on a slow connection. A larger buffer would only add latency.
+// Holds two frames on a slow connection. A larger buffer would only add latency.
 constexpr int kSendBufferBytes = 512 * 1024;
 
-// Time for the response to a refused handshake to arrive.
+// Limits for discarding the client's remaining bytes, so that it receives the refusal (see linger).
 constexpr std::size_t kLingerBytes = 256 * 1024;
 constexpr std::chrono::seconds kLingerTime{2};
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-/// The reason why an overloaded worker ended an Attach, or empty if unknown.
+/// Returns the reason why an overloaded worker ended an Attach, or an empty message if unknown.
 v1::Refusal refusal_of(const grpc::Status& status) {
   v1::Refusal why;
   if (!why.ParseFromString(status.error_details())) why.Clear();
@@ -96,7 +96,7 @@ void Connection::on_handshake(ErrorCodeOf error) {
     if (is_http && error != http::error::end_of_stream && error != http::error::partial_message) {
       return answer_plainly(http::status::bad_request, "The request is malformed.", "handshake");
     }
-    return hub_.metrics.refused("handshake");  // slow or gone: closed with its last reference
+    return hub_.metrics.refused("handshake");  // the client was too slow or has left
   }
   const Request& request = parser_->get();
   // A browser never sends bytes before our response.
@@ -134,7 +134,7 @@ void Connection::answer_plainly(http::status status, std::string_view sentence,
                     });
 }
 
-// Closing with unread bytes would reset the connection, and the response might be lost.
+// Discards the client's bytes, because closing with unread bytes would reset the connection.
 void Connection::linger(std::size_t left) {
   ErrorCodeOf ignored;
   auto& tcp = beast::get_lowest_layer(socket_);
@@ -150,7 +150,7 @@ void Connection::linger(std::size_t left) {
 }
 
 void Connection::accept(const Request& request) {
-  beast::get_lowest_layer(socket_).expires_never();  // from here WebSocket's own time-outs hold
+  beast::get_lowest_layer(socket_).expires_never();  // from here, the timeouts of WebSocket apply
   socket_.set_option(
       websocket::stream_base::timeout{hub_.limits.handshake, hub_.limits.idle, true});
   socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
@@ -164,7 +164,7 @@ void Connection::accept(const Request& request) {
     self->parser_.reset();
     if (error) return self->hub_.metrics.refused("handshake");
     self->accepted_ = true;
-    // Larger than the largest message, because Beast's own limit responds with a close code.
+    // The buffer exceeds the message limit, so that the limit applies first and sends a close code.
     self->buffer_ = beast::flat_buffer(2 * self->hub_.limits.message_bytes);
     self->redeem_ticket();
   });
@@ -354,7 +354,7 @@ void Connection::link_ended(const grpc::Status& status) {
     case grpc::StatusCode::INTERNAL:
       return worker_broke_off();
     case grpc::StatusCode::PERMISSION_DENIED:
-      // The worker's own words, about certificates.
+      // The worker's message describes a problem with certificates.
       log::error("attach_refused", {{"message", status.error_message()}});
       return close(CloseCode::kInternal,
                    "Something went wrong on our side. The error has been logged.");
@@ -382,7 +382,7 @@ void Connection::session_was_taken() {
   if (!taken) close(CloseCode::kTakenOver, "This session was opened in another window.");
 }
 
-// Only after Redis is updated, because the viewer's next ticket must not lead to the same worker.
+// Closes only after Redis is updated: the viewer's next ticket must not lead to the same worker.
 void Connection::worker_broke_off() {
   const bool taken = hub_.run_blocking([self = shared_from_this()] {
     self->hub_.worker_broke_off(*self->attachment_);
@@ -393,7 +393,7 @@ void Connection::worker_broke_off() {
   if (!taken) close(CloseCode::kWorkerLost, "The connection to the renderer was lost.");
 }
 
-// As above, the next ticket must lead to another worker.
+// Closes only after Redis is updated, as worker_broke_off does.
 void Connection::worker_has_no_memory() {
   const bool taken = hub_.run_blocking([self = shared_from_this()] {
     const Attachment& attached = *self->attachment_;
@@ -446,7 +446,7 @@ void Connection::begin_close() {
   close_begun_ = true;
   websocket::close_reason reason;
   reason.code = static_cast<std::uint16_t>(*closing_);
-  reason.reason = close_reason_.substr(0, 123);  // what a close frame holds
+  reason.reason = close_reason_.substr(0, 123);  // maximum of a close frame (RFC 6455)
   socket_.async_close(reason, [self = shared_from_this()](ErrorCodeOf) { self->ended(); });
 }
 

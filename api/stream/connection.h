@@ -27,7 +27,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   Connection(std::shared_ptr<Hub> hub, boost::asio::ip::tcp::socket socket);
 
   void start();
-  /// Responds to a connection over the limit and closes it.
+  /// Counts a refusal and closes the connection without a response, because the limit is reached.
   void refuse_busy();
   /// Sends the queued messages, then closes with the code. Aborts if the handshake is not complete.
   void close(CloseCode code, std::string_view reason);
@@ -49,7 +49,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
   using ErrorCodeOf = boost::beast::error_code;
 
-  // Destroyed after the socket, so that the hub counts the connection until it is closed.
+  // Declared first, thus destroyed after the socket: the hub counts the connection until then.
   struct Presence {
     std::shared_ptr<Hub> hub;
     Connection* connection;
@@ -84,7 +84,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
 
   Presence presence_;
   Hub& hub_;
-  // Without Beast's deflate, because pictures are compressed already.
+  // Permessage-deflate is off (false), because pictures are already compressed.
   boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;
   boost::asio::steady_timer write_timer_;
   boost::asio::steady_timer link_timer_;

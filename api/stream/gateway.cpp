@@ -43,7 +43,7 @@ struct Gateway::Impl {
     acceptor.async_accept(asio::make_strand(io), [this](error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
       if (error) {
-        // Probably out of descriptors. Existing connections continue, and one of them will close.
+        // The process is probably out of file descriptors. Tries again, because connections close.
         pause.expires_after(std::chrono::milliseconds(100));
         pause.async_wait([this](error_code ended) {
           if (!ended) accept_next();
@@ -60,7 +60,7 @@ struct Gateway::Impl {
     });
   }
 
-  /// A hanging or lost worker does not break its connections, so its heartbeat is checked.
+  /// Checks the workers' heartbeats, because a hung or lost worker does not break its connections.
   void watch_workers() {
     watch.expires_after(hub->limits.watch);
     watch.async_wait([this](error_code ended) {
@@ -80,7 +80,7 @@ struct Gateway::Impl {
     });
   }
 
-  /// Disconnects guests whose link was disabled, whichever gateway handled the request.
+  /// Disconnects guests whose link was disabled, which the REST API records only in Redis.
   void watch_links() {
     links.expires_after(hub->limits.links);
     links.async_wait([this](error_code ended) {

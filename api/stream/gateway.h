@@ -31,15 +31,15 @@ class Gateway {
   };
 
   /// Returns kInvalid if `public_url` is not an http URL, or kUnavailable if the port cannot be
-  /// opened. The interfaces and the registry must outlive it.
+  /// opened. The interfaces and the registry must outlive the gateway.
   static Result<std::unique_ptr<Gateway>> start(Options options, Placement& placement,
                                                 Tickets& tickets, Workers& workers,
                                                 prometheus::Registry& registry);
-  /// The same with custom limits, for tests.
+  /// Starts a gateway with custom limits, for tests.
   static Result<std::unique_ptr<Gateway>> start(Options options, const GatewayLimits& limits,
                                                 Placement& placement, Tickets& tickets,
                                                 Workers& workers, prometheus::Registry& registry);
-  /// Like stop() without grace.
+  /// Stops without a grace period.
   ~Gateway();
 
   std::uint16_t port() const;

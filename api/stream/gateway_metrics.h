@@ -24,8 +24,8 @@ class GatewayMetrics {
   void stream_attached() { streams_.Increment(); }
   void stream_detached() { streams_.Decrement(); }
   void message(Direction direction, std::size_t bytes);
-  /// Refusals before a stream starts: "busy", "handshake", "origin", "ticket", "session",
-  /// "too_many".
+  /// Counts a refusal before a stream starts. Reasons: "busy", "handshake", "origin", "ticket",
+  /// "session", "unavailable", "internal", "too_many".
   void refused(const std::string& reason);
   void closed(CloseCode code);
   void worker_lost() { workers_lost_.Increment(); }

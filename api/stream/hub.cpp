@@ -7,7 +7,7 @@ namespace diaphane::api::stream {
 bool Hub::enter(const std::shared_ptr<Connection>& connection) {
   const std::lock_guard lock(mutex_);
   const bool room = connections_.size() < limits.connections;
-  // A refused connection is also waited for at shutdown.
+  // Even a refused connection is added, because shutdown waits for all connections.
   connections_.emplace(connection.get(), connection);
   metrics.connection_opened();
   return room;
@@ -62,7 +62,7 @@ void Hub::leave_user(const Attachment& attachment) {
 
 void Hub::worker_broke_off(const Attachment& attachment) {
   if (accepts_connections(attachment.address, limits.probe)) return;
-  // If Redis is unavailable, no session is placed anyway.
+  // If Redis is unavailable, no session can be placed on the worker anyway.
   if (!workers.lost(attachment.session.worker_id, attachment.incarnation).value_or(false)) return;
   metrics.worker_lost();
   log::warning("worker_lost", {{"worker", attachment.session.worker_id}});

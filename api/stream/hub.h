@@ -29,7 +29,7 @@ struct GatewayLimits {
   std::size_t guests_per_session = 60;  ///< guests who joined with links
   std::size_t header_bytes = 8 * 1024;
   std::size_t message_bytes = 64 * 1024;  ///< per viewer message
-  unsigned messages_per_second = 1000;    ///< of a viewer
+  unsigned messages_per_second = 1000;    ///< per viewer
   std::chrono::milliseconds handshake{10'000};
   std::chrono::milliseconds idle{40'000};   ///< idle timeout; a ping is sent after half of it
   std::chrono::milliseconds write{10'000};  ///< timeout for sending one message to a viewer
@@ -77,20 +77,20 @@ class Hub {
   }
   void join_blocking() { blocking_.join(); }
 
-  /// Returns false if the maximum number of connections is reached.
+  /// Adds a connection. Returns false if there are too many, so that the caller must refuse it.
   bool enter(const std::shared_ptr<Connection>& connection);
-  /// The last call of a connection, which must not use the hub afterwards.
+  /// Removes a connection, which must not use the hub afterwards.
   void leave(Connection* connection);
   std::vector<std::shared_ptr<Connection>> connections() const;
-  /// Returns true once no connection is left.
+  /// Returns true once no connection is left, or false after `timeout`.
   bool wait_until_empty(std::chrono::milliseconds timeout);
 
-  /// Counts another connection of a user or guest of a session. Returns false at the limit.
+  /// Counts another connection of a user, or of a session's guests. Returns false at the limit.
   bool enter_user(const Attachment& attachment);
   void leave_user(const Attachment& attachment);
 
-  /// Checks whether a disconnected worker can be reached. If not, no more sessions are placed on
-  /// it. Blocks (probe, Redis).
+  /// Probes a worker that broke off a stream. If it cannot be reached, marks it as lost in Redis,
+  /// so that no more sessions are placed on it. Blocks.
   void worker_broke_off(const Attachment& attachment);
 
  private:

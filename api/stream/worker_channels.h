@@ -36,7 +36,7 @@ class WorkerChannels {
   std::map<std::string, std::shared_ptr<grpc::Channel>> channels_;
 };
 
-/// Whether a server listens at "host:port". Blocks for at most `timeout` plus the name lookup.
+/// Returns whether a server listens at the address. Blocks for at most `timeout` plus the lookup.
 bool accepts_connections(const std::string& address, std::chrono::milliseconds timeout);
 
 }  // namespace diaphane::api::stream

@@ -8,7 +8,7 @@
 
 namespace diaphane::api::stream {
 
-/// Asks the worker of a session with GetErrorCurve.
+/// Gets error curves from the workers of the sessions (GetErrorCurve).
 class WorkerErrorCurves final : public ErrorCurves {
  public:
   explicit WorkerErrorCurves(Workers& workers, wire::InnerTls tls = {})

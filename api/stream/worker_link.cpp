@@ -62,7 +62,7 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
   link->reading_ = true;
   link->writing_ = true;
   link->stub_->async()->Attach(&link->context_, link.get());
-  link->AddHold();  // writes begin outside gRPC's own callbacks
+  link->AddHold();  // writes are started outside gRPC's callbacks
   link->StartRead(&link->reply_);
   link->StartWrite(&link->request_);
   link->StartCall();
@@ -72,7 +72,7 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
 WorkerLink::WorkerLink(const std::shared_ptr<grpc::Channel>& channel,
                        std::weak_ptr<LinkEvents> events)
     : stub_(v1::RenderWorker::NewStub(channel)), events_(std::move(events)) {
-  // An unavailable worker is reported immediately, and the viewer requests another one.
+  // The call to an unavailable worker fails at once, so that the viewer requests another worker.
   context_.set_wait_for_ready(false);
 }
 
@@ -109,7 +109,7 @@ void WorkerLink::finish() {
     if (finishing_) return;
     finishing_ = true;
     step = next_write();
-    // Messages no longer have a receiver, so they are read and dropped until the call ends.
+    // The viewer is gone, so the worker's messages are read and dropped until the call ends.
     if (!reading_ && !reads_ended_) resume = reading_ = true;
   }
   if (resume) StartRead(&reply_);
@@ -142,8 +142,9 @@ void WorkerLink::OnReadDone(bool ok) {
     deliver = !finishing_;
     if (deliver) ++undelivered_;
   }
-  // Delivered while this read still counts as in progress. Otherwise delivered() could start the
-  // next read on another of gRPC's threads, and its message could overtake this one.
+  // The message is delivered while this read still counts as in progress. Otherwise delivered()
+  // could start the next read on another of gRPC's threads, and its message could overtake this
+  // one.
   if (deliver) {
     if (const auto events = events_.lock()) {
       events->on_link_message(std::move(message));
@@ -212,7 +213,7 @@ WorkerLink::Step WorkerLink::next_write() {
     writing_ = writes_ended_ = true;
     return Step::kWritesDone;
   }
-  // A read may still be started until the reads have ended; afterwards, none is started.
+  // The hold is needed until the reads have ended, because another read may start until then.
   if (reads_ended_ && !std::exchange(released_, true)) return Step::kRelease;
   return Step::kNone;
 }

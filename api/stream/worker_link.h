@@ -14,19 +14,19 @@
 
 namespace diaphane::api::stream {
 
-/// Events from a link to its connection. Called on gRPC threads, one message at a time and never
-/// after on_link_ended.
+/// Events from a link to its connection. They are called on gRPC threads, messages one at a time,
+/// and never after on_link_ended.
 class LinkEvents {
  public:
   virtual ~LinkEvents() = default;
-  /// The worker accepted the call.
+  /// The call to the worker is established.
   virtual void on_link_open() = 0;
   /// Delivers a serialised ServerMessage. At most WorkerLink::kMostUndelivered arrive before
   /// delivered() is called.
   virtual void on_link_message(std::string message) = 0;
-  /// More messages can be sent after send() returned false.
+  /// Signals that messages can be sent again after send() returned false.
   virtual void on_link_writable() = 0;
-  /// The last event.
+  /// Reports the end of the call. This is the last event.
   virtual void on_link_ended(const grpc::Status& status) = 0;
 };
 
@@ -47,10 +47,10 @@ class WorkerLink final
                                           const Attachment& attachment,
                                           std::weak_ptr<LinkEvents> events);
 
-  /// Sends a serialised ClientMessage. On false, stop reading from the viewer until
-  /// on_link_writable.
+  /// Sends a serialised ClientMessage. If it returns false, the caller must stop reading from the
+  /// viewer until on_link_writable.
   bool send(std::string client_message);
-  /// The viewer has received a message, so another one may be read.
+  /// Reports that a message was written to the viewer, so that another one may be read.
   void delivered();
   /// Ends sending. Messages in the queue are still sent, then the worker ends the call.
   void finish();
@@ -64,10 +64,10 @@ class WorkerLink final
 
  private:
   WorkerLink(const std::shared_ptr<grpc::Channel>& channel, std::weak_ptr<LinkEvents> events);
-  /// The next operation on the call after a state change. Run it without the lock, because gRPC may
-  /// call back from within.
+  /// The next operation on the call after a state change. It must run without the lock, because
+  /// gRPC may call back from within.
   enum class Step { kNone, kWrite, kWritesDone, kRelease };
-  Step next_write();  // under the lock
+  Step next_write();  // requires the lock
   void carry_out(Step step);
 
   std::unique_ptr<diaphane::v1::RenderWorker::Stub> stub_;
@@ -81,7 +81,7 @@ class WorkerLink final
   std::mutex mutex_;
   std::deque<std::string> unsent_;
   std::size_t undelivered_ = 0;
-  bool open_ = false;     // the worker accepted Open
+  bool open_ = false;     // Open was written
   bool reading_ = false;  // a read is in progress
   bool reads_ended_ = false;
   bool writing_ = false;         // a write is in progress

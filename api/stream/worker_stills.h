@@ -8,8 +8,8 @@
 
 namespace diaphane::api::stream {
 
-/// Renders thumbnails with RenderStill on a live worker: one that has loaded the volume, otherwise
-/// the least loaded. Asks the next one if the call fails.
+/// Renders pictures with RenderStill. Prefers workers that have loaded the volume, then the least
+/// loaded. Tries a second worker if the first is unavailable.
 class WorkerStills final : public Stills {
  public:
   explicit WorkerStills(Workers& workers, wire::InnerTls tls = {})
