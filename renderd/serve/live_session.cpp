@@ -48,7 +48,7 @@ v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
     (void)google::protobuf::util::JsonStringToMessage(*json, &message);
   }
   if (viewer != ViewerKind::kOwner && viewer != ViewerKind::kShared) message.clear_content_hash();
-  // Only ingest needs them.
+  // Only ingest needs these fields.
   message.clear_origin();
   message.clear_frame_of_reference();
   message.clear_label_hash();
@@ -56,8 +56,8 @@ v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
   return message;
 }
 
-/// Names of structures may tell more than a picture does, so only those whom the owner knows learn
-/// of them.
+/// Returns whether a viewer may learn the names of structures. They may reveal more than a picture
+/// does, so only the owner and the accounts with which the scan is shared receive them.
 bool may_know_labels(ViewerKind viewer) {
   return viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared;
 }
@@ -201,7 +201,8 @@ void LiveSession::dispatch(std::uint64_t connection, const v1::ClientMessage& me
     case v1::ClientMessage::kFileTaken:
       return apply(files_.handle(FileTaken{connection, message.file_taken().seq()}, state_));
     case v1::ClientMessage::kSliceView:
-      // First, so that guests know that they can get the slices of the view.
+      // Handled first, so that guests learn that they have access to slices before they get the
+      // view.
       apply(render::receive(state_, connection, message, turn.now), connection);
       return apply(
           collaboration_.handle(SliceViewSent{connection, message.slice_view()}, state_, turn.now));

@@ -75,8 +75,8 @@ struct SessionFacts {
 struct SessionStatus {
   std::uint64_t placement = 0;
   double device_seconds = 0;  ///< used by its samples
-  /// Of a user without an account, within the visitors' share. May change when the session is
-  /// opened again with or without an account.
+  /// Whether the session counts towards the visitors' share. May change when the session is opened
+  /// again with or without an account.
   bool visitor = false;
   std::chrono::steady_clock::duration age{};  ///< how long the session has held its slot
   /// How long the session has had no viewers; nullopt if it has one.
@@ -89,7 +89,8 @@ struct SessionParts {
   EncodePool& encoders;
   Metrics& metrics;
   const Clock& clock;
-  /// Creates a session for a follower's free camera, in a separate slot. kTooMany: no slot is free.
+  /// Creates a session for a follower's free camera, in a separate slot. Fails with kTooMany if no
+  /// slot is free.
   std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group,
                                                      const FreeCameraStart&)>
       open_free_camera;
@@ -139,13 +140,13 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   /// Problem. To be called once.
   void start();
   /// Adds a viewer and ends a previous connection of the same participant. Returns the number of
-  /// the connection, or kTooMany.
+  /// the connection. Fails with kTooMany if the session is full.
   Result<std::uint64_t> attach(std::shared_ptr<ClientLink> link, const JoinRequest& join,
                                Opening opening);
   /// Handles a serialised ClientMessage. Ignores messages of connections that have ended.
   void receive(std::uint64_t connection, const std::string& bytes);
   void closed(std::uint64_t connection);
-  /// Loads the volume again, because its labels in the store are others now.
+  /// Loads the volume again after its labels in the store have changed.
   void labels_changed();
   /// Ends the session with `why` as a fatal Problem for every viewer. Idempotent.
   void end(const Error& why);
@@ -159,12 +160,12 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
 
   const SessionFacts& facts() const { return facts_; }
   SessionStatus status() const;
-  /// Returns the scene if Redis has an older one. mark_unsaved() makes it due again.
+  /// Returns the state to save if Redis has an older one. mark_unsaved() makes it due again.
   std::optional<SavedSession> take_unsaved();
   void mark_unsaved();
-  /// Empty until a scene is set and the owner is known.
+  /// Returns nullopt until a scene is set and the owner is known.
   std::optional<RecoveryRecord> recovery_record() const;
-  /// The error of the current view after each pass.
+  /// Returns the error of the current view after each pass.
   diaphane::v1::ErrorCurve error_curve() const;
 
  private:
@@ -190,10 +191,10 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
 
   /// One event (session_turn.h).
   class Turn;
-  // What the rules ask for (session/effects.h). These require the lock:
+  // Carry out what the rules ask for (session/effects.h). These require the lock:
   void apply(Effects effects);
   void apply(const Outcome& outcome, std::uint64_t connection);
-  /// Applies what concerns the presenter.
+  /// Applies an outcome that concerns the presenter.
   void apply_to_presenter(const Outcome& outcome);
   void carry_out(const effect::Send& effect);
   void carry_out(const effect::Configure& effect);
@@ -302,7 +303,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   Files files_;
   FreeCameras cameras_;
   Collaboration collaboration_;
-  /// The newest answer, because all followers ask the same.
+  /// The newest answer to a MarkSightQuery, which is kept because all followers ask the same.
   struct MarkSight {
     std::uint64_t version = 0;
     std::vector<Double3> places;
@@ -324,7 +325,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::uint64_t runner_handle_ = 0;
   std::atomic<bool> ended_{false};
 
-  // For Stats.
+  // Counters for Stats.
   TimePoint stats_since_{};
   double device_seconds_ = 0;
   std::uint64_t samples_since_ = 0;

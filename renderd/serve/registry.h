@@ -90,7 +90,7 @@ class Registry {
   std::chrono::steady_clock::time_point load_since_;
   std::optional<std::chrono::steady_clock::time_point> refused_since_;
   bool refusal_reported_ = false;
-  bool drain_ordered_ = false;  // never reset, because it accepts no sessions again
+  bool drain_ordered_ = false;  // never reset, because this worker never accepts sessions again
   std::thread thread_;
 };
 

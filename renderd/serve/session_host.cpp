@@ -235,7 +235,7 @@ void SessionHost::end_evicted(const Session& session) {
   // A guest who loses their free camera follows the presenter again.
   if (const auto group = facts.group.lock()) {
     if (group->take_camera_back(facts.id)) return;
-    // The guest may be about to connect to it, and is notified in that case too.
+    // The guest may be about to connect to the session, and is notified in that case too.
     session->dismiss();
     (void)group->take_camera_back(facts.id);
     return;

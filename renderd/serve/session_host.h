@@ -20,7 +20,7 @@ namespace diaphane::render {
 const Error& displaced();
 bool is_displaced(const Error& why);
 
-/// The hold of one connection on a session.
+/// The connection of one viewer to a session.
 class Attachment {
  public:
   Attachment(std::shared_ptr<LiveSession> session, std::uint64_t connection)
@@ -44,10 +44,10 @@ class SessionHost {
     /// Maximum share of the slots for visitors' sessions and guests' free cameras. They lose their
     /// slots when an account holder finds none free.
     int visitor_percent = kVisitorPercent;
-    /// So that a page can be reloaded without losing the session.
+    /// How long a session without viewers is kept, so that a page can be reloaded.
     std::chrono::seconds keep_abandoned{30};
-    /// How long the device counts as full after a session found no memory, unless a session ends
-    /// before.
+    /// How long the device counts as full after it ran out of memory for a session, unless a
+    /// session ends before.
     std::chrono::seconds full_for{10};
     /// For benches: draws input_seq into the pixels (encode/frame_mark.h).
     bool mark_frames = false;
@@ -65,9 +65,9 @@ class SessionHost {
               Metrics& metrics, const Clock& clock);
   ~SessionHost();
 
-  /// Opens a session or joins an existing one. kTooMany: no slot is free, or the session is full.
-  /// kConflict: it has been placed again since. kUnavailable: draining. kInvalid: an identifier is
-  /// invalid.
+  /// Opens a session or joins an existing one. Fails with kTooMany if no slot is free or the
+  /// session is full, with kConflict if the session was placed again since, with kUnavailable while
+  /// draining, and with kInvalid if an identifier is invalid.
   Result<Attachment> open(const diaphane::v1::Open& open, std::shared_ptr<ClientLink> link);
 
   /// Ends abandoned sessions. To be called at least once per second.
@@ -93,7 +93,7 @@ class SessionHost {
   std::optional<RecoveryRecord> recovery_record(const std::string& id) const;
   /// Returns nullopt if this worker has no such session.
   std::optional<diaphane::v1::ErrorCurve> error_curve(const std::string& id) const;
-  /// Time of users with sessions on this worker.
+  /// Returns the render time of users with sessions on this worker.
   GpuTimeMeter& gpu_time() { return gpu_time_; }
   std::size_t used() const;
   /// Returns the number of usable slots. While the device's memory is full, these are the occupied

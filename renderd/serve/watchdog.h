@@ -38,7 +38,8 @@ class Watchdog {
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
 
-  /// Something has been silent for half of the limit, so no more work should be accepted.
+  /// Returns whether something has been silent for half of the limit. The process should then
+  /// accept no more work.
   bool suspects() const { return suspects_; }
 
  private:

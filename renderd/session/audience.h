@@ -40,7 +40,7 @@ inline constexpr std::chrono::milliseconds kKernelEvery{250};
 inline constexpr std::size_t kMostReceivers = 64;
 inline constexpr std::size_t kLongestName = 40;  ///< characters
 
-/// What was sent to a viewer of the state that participants share (collaboration.h).
+/// How much of the state that participants share (collaboration.h) was sent to a viewer.
 struct SharedWindow {
   std::uint64_t sent = 0;           ///< sequence number
   std::uint64_t taken = 0;          ///< acknowledged
@@ -138,7 +138,8 @@ bool has_room(const Receiver& receiver);
 bool is_watching(const Receiver& receiver, TimePoint now);
 
 /// Hands the presenter's role over on request of `from`: the presenter, or the owner, who may take
-/// it back at any time. kForbidden, kNotFound, kConflict.
+/// it back at any time. Fails with kForbidden for anyone else, with kNotFound if `to` is absent and
+/// with kConflict if `to` uses a free camera.
 Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to);
 
 /// Returns the participants as `receiver` may see them.

@@ -7,7 +7,7 @@
 #include "renderd/film/error_curve.h"
 #include "renderd/session/audience.h"
 
-// How fast the pictures of a session converge. Pure.
+// Measures how fast the pictures of a session converge.
 
 namespace diaphane::render {
 
@@ -22,8 +22,8 @@ class Convergence {
     std::optional<double> error_at_rest;
   };
 
-  /// A new view replaces the current one. `input`: the time of the newest input that it contains,
-  /// or 0 for the first view of a session.
+  /// Begins a new view, which replaces the current one. `input`: the time of the newest input that
+  /// it contains, or 0 for the first view of a session.
   Measured began(TimePoint input, TimePoint now);
   Measured progressed(const Progress& progress, bool moving, TimePoint now);
   Measured ended();

@@ -90,8 +90,8 @@ void with_view(const CoarseVolume& coarse, const diaphane::v1::Scene& scene, Can
   use(view);
 }
 
-/// Whether less than half of a place in the volume's frame (mm) can be seen. `margin`: how far in
-/// front of it matter counts as its own surface.
+/// Returns whether less than half of a place in the volume's frame (mm) can be seen. `margin`:
+/// distance in mm in front of the place in which matter counts as its own surface.
 bool is_hidden(const View& scene, Float3 place, float margin) {
   const CameraView& c = scene.camera;
   const Float3 from_start = place - c.start;

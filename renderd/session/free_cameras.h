@@ -15,7 +15,7 @@ struct CameraRequested {
   std::uint64_t connection = 0;
   bool on = false;
 };
-/// A session of their own exists for a follower, or none could be had.
+/// The answer to OpenCamera: the follower's own session, or the reason why none was opened.
 struct CameraOpened {
   std::uint64_t connection = 0;
   std::string session;
@@ -34,7 +34,7 @@ struct CameraWithdrawn {
   Error why;
 };
 
-/// The followers of a session who see sessions of their own beside it (docs/adr/0013).
+/// The followers of a session who use a free camera in a session of their own (docs/adr/0013).
 class FreeCameras {
  public:
   Effects handle(const CameraRequested& event, const SessionState& state);

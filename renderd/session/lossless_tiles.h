@@ -21,7 +21,7 @@ struct EpochBegan {};
 struct TileCoded {
   std::uint64_t picture = 0;
   std::uint32_t tile = 0;
-  /// With its place, format and data; nullopt: it could not be encoded.
+  /// The tile's place, format and data; nullopt: it could not be encoded.
   std::optional<diaphane::v1::Still> coded;
 };
 /// A viewer may have room for another tile.
@@ -51,7 +51,7 @@ class LosslessTiles {
   const diaphane::v1::Still* get(const Key& key, Effects& effects);
 
   std::optional<Last> last_;
-  std::uint64_t pictures_ = 0;  // so far
+  std::uint64_t pictures_ = 0;  // number of pictures so far, from which ids are made
 };
 
 }  // namespace diaphane::render

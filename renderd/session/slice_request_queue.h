@@ -24,8 +24,8 @@ class SliceRequestQueue {
  public:
   static constexpr std::uint64_t kUnderWay = 3;  ///< sent, but not yet acknowledged
 
-  /// Takes a viewer's requests. kInvalid, naming the field, if they do not fit the stacks, and then
-  /// nothing changes.
+  /// Replaces a viewer's requests. Fails with kInvalid, naming the field, and changes nothing if
+  /// they do not fit the stacks.
   Result<void> replace(const diaphane::v1::SliceRequest& request, const SliceStacks& stacks);
   /// Whether a slice can be taken now.
   bool ready() const { return !preparing_ && waiting() && seq_ - taken_ < kUnderWay; }

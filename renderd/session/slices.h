@@ -10,7 +10,7 @@
 
 namespace diaphane::render {
 
-/// The volume is loaded whose slices can be requested.
+/// The volume whose slices can be requested is loaded.
 struct SlicesKnown {
   SliceStacks stacks;
 };

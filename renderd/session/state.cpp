@@ -36,7 +36,7 @@ void note_input(SessionState& state, std::uint64_t input_seq, bool rest, TimePoi
   }
 }
 
-// The presenter's page determines the size of the picture.
+// Takes the picture's size from the presenter's page. Returns whether it changed.
 bool take_viewport(SessionState& state, const Receiver& receiver) {
   const Canvas viewport = receiver.viewport;
   if (viewport.width == 0 || viewport == state.requested.viewport) return false;
