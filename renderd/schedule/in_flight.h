@@ -56,7 +56,7 @@ class InFlight {
   }
   double filled() const { return filled_; }
 
-  /// The integral until `now`, in seconds, of the share of the device that one quantum of
+  /// Returns the integral until `now`, in seconds, of the share of the device that one quantum of
   /// `precedence` has. The quanta of the highest precedence in flight share the device evenly, and
   /// those of lower precedences pause, so their integrals do not advance. The difference between
   /// two values is the device time of a quantum between them. The device times of all quanta add up
@@ -66,7 +66,7 @@ class InFlight {
     pass(now);
     return levels_[precedence].own_seconds;
   }
-  /// Seconds until `now` during which at least one quantum was in flight.
+  /// Returns the seconds until `now` during which at least one quantum was in flight.
   double busy_seconds(Time now) {
     pass(now);
     return busy_seconds_;

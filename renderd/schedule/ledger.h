@@ -73,7 +73,7 @@ class Ledger {
   /// Whether the next picture is one of a gesture or the preview of a picture at rest: small,
   /// urgent and encoded for speed.
   bool moving() const { return in_gesture_ || preview_; }
-  /// Seconds that preparing the film's scene took.
+  /// Returns the seconds that preparing the film's scene took.
   double scene_seconds() const { return scene_seconds_; }
 
  private:
@@ -105,7 +105,7 @@ class Ledger {
   // Costs of this session.
   double seconds_per_pixel_ = 0;          // of the first samples of a picture
   double refined_seconds_per_pixel_ = 0;  // of those after a draft (Batch::refined)
-  bool refining_ = false;                 // the last batch was one of those
+  bool refining_ = false;                 // whether the last batch had such samples
   double noise_ = 0;
   double scene_seconds_ = 0;
   double first_seconds_ = 0;

@@ -62,7 +62,7 @@ class MarginalGain final : public Policy {
   std::vector<Quantum> next(std::span<const SessionView> sessions) override;
   std::vector<Quantum> overtaking(std::span<const SessionView> sessions, unsigned highest) override;
 
-  /// Error removed per second, multiplied by the expected stay in seconds: the criterion of step 2.
+  /// Returns the error removed per second, times the expected stay in seconds, as in step 2.
   double gain(const SessionView& session) const;
 
  private:

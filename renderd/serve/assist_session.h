@@ -32,7 +32,7 @@ class AssistHost {
       : options_(options), homes_(homes), volumes_(volumes) {}
 
   class Session;
-  /// kTooMany. kUnavailable while draining.
+  /// Opens a session. Fails with kTooMany if no more fit, and with kUnavailable while draining.
   Result<std::shared_ptr<Session>> open(std::shared_ptr<AssistLink> link);
   /// Ends all sessions and refuses new ones.
   void end_all();
@@ -58,7 +58,7 @@ class AssistHost::Session final : public RenderClient,
   Session(AssistHost& host, std::shared_ptr<AssistLink> link)
       : host_(host), home_(host.homes_.take()), link_(std::move(link)) {}
 
-  /// An invalid message ends the connection with kInvalid.
+  /// Handles a message. An invalid one ends the connection with kInvalid.
   void receive(const diaphane::v1::AssistRequest& request);
   /// To be called when the connection has ended. Idempotent.
   void closed();

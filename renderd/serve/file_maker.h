@@ -44,7 +44,8 @@ std::uint32_t band_rows(Canvas picture);
 
 inline constexpr std::uint64_t kBandPixels = std::uint64_t{1} << 20;
 
-/// kInvalid names the invalid field of the order (FileRequest) or of its key views.
+/// Creates the maker of a file. Fails with kInvalid, naming a field of the request or its key
+/// views.
 Result<std::unique_ptr<FileMaker>> make_file_maker(const diaphane::v1::FileRequest& request,
                                                    std::vector<diaphane::v1::Scene> keys,
                                                    FileMarks marks = {});

@@ -162,8 +162,8 @@ struct AssistSlot {
 
 namespace {
 
-/// One Assist call on the calling side. Deletes itself when gRPC is done with it. Its user holds
-/// `Call`, which is notified.
+/// One Assist call on the calling side. Deletes itself when gRPC is done with it, which is never
+/// before leave() was called.
 class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::AssistReply> {
  public:
   CallReactor(std::shared_ptr<AssistPeer> peer, const AssistOrder& order,

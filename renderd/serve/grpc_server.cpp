@@ -274,7 +274,7 @@ class Service final : public v1::RenderWorker::CallbackService {
   }
 
   Links& links() { return links_; }
-  /// Sets the listener, which is told the addresses of authenticated callers.
+  /// Sets the listener, which then learns the addresses of authenticated callers.
   void set_listener(wire::LimitedListener* listener) { listener_ = listener; }
 
  private:

@@ -253,7 +253,8 @@ Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Hand
   return outcome;
 }
 
-/// Guests' slices that are not sent yet must not arrive after they are turned off or closed.
+/// Drops requests for slices that guests may no longer receive after slices were turned off or
+/// closed.
 void forget_guest_slices(Audience& audience) {
   for (Receiver& one : audience.receivers) {
     if (slice_access(audience.rights(one)) == SliceAccess::kNone) one.slices.forget();
@@ -270,7 +271,7 @@ Outcome receive_guest_slices(SessionState& state, bool on) {
   return outcome;
 }
 
-/// Collaboration passes the view on. This is about what guests can get.
+/// Updates which slices guests may request. Collaboration passes the presenter's view on.
 Outcome receive_slice_view(SessionState& state, const v1::SliceView& view) {
   Outcome outcome;
   const bool shown = view.layout() != v1::SliceView::LAYOUT_UNSPECIFIED;
@@ -286,7 +287,7 @@ Outcome receive_guest_pointers(SessionState& state, bool on) {
   return outcome;
 }
 
-/// Everyone can lower their own hand, and the presenter anyone's.
+/// Raises or lowers a hand. Everyone can lower their own hand, and the presenter anyone's.
 Outcome receive_hand(SessionState& state, Receiver& receiver, const v1::RaiseHand& hand) {
   const bool own = hand.of().empty() || hand.of() == receiver.participant;
   if (!own && (hand.on() || !state.audience.presents(receiver))) {
