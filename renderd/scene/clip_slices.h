@@ -18,10 +18,10 @@ struct PatientAxes {
 };
 PatientAxes patient_axes(const volume::Header& header);
 
-/// The tone curve of the display.
+/// Returns the tone curve of the display.
 ToneCurve curve_of(const diaphane::v1::Display& display);
 
-/// Omits slices outside the volume.
+/// Returns the shown slices of a scene. Omits those outside the volume.
 SlicesView prepare_slices(const diaphane::v1::Scene& scene, const volume::Header& header);
 bool any_slice(const SlicesView& slices);
 

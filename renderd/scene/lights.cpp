@@ -54,7 +54,7 @@ AreaLight flat_light(Double3 corner, Double3 u, Double3 v) {
   return out;
 }
 
-/// Area of a disk, or of a sphere as seen from a distance; a point counts as 1 mm^2.
+/// Returns the area of a disk, or of a sphere as seen from a distance; a point counts as 1 mm^2.
 float round_area(double radius) {
   return radius > 0 ? static_cast<float>(std::numbers::pi * radius * radius) : 1.0f;
 }

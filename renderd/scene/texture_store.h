@@ -10,7 +10,7 @@
 #include "renderd/scene/light_textures.h"
 
 /// The memory of this process for decoded textures. The limit applies to the whole process, because
-/// sessions, stills, films and pictures for other workers all decode textures.
+/// sessions, stills, files and pictures for other workers all decode textures.
 namespace diaphane::render {
 
 /// Limit in bytes for the textures of all scenes together, unless limit_texture_memory() changes

@@ -38,7 +38,7 @@ class FileMaker {
   virtual double done() const = 0;
 };
 
-/// Returns the number of rows per band of a large picture, small enough for a small video and short
+/// Returns the number of rows per band of a large picture, small enough for a small film and short
 /// samples.
 std::uint32_t band_rows(Canvas picture);
 
