@@ -39,7 +39,7 @@ struct AssistNews {
 class Assistant {
  public:
   virtual ~Assistant() = default;
-  /// Replaces the previous task.
+  /// Begins a task, which replaces the previous one.
   virtual void begin(const AssistTask& task) = 0;
   /// Returns the part that waits, if any. There is at most one: taking it makes room for the next,
   /// and an assistant whose part is not taken stops rendering.
@@ -47,8 +47,8 @@ class Assistant {
   /// Whether the assistant is lost, permanently or temporarily, so that it will not deliver parts
   /// of the task. A temporarily lost one can be asked to return by this call.
   virtual bool lost() = 0;
-  /// Throughput at which its parts are transferred before they can be merged. Within a process
-  /// parts are not transferred; merging reads them where they are.
+  /// Returns the throughput at which its parts are transferred before they can be merged. Within a
+  /// process, parts are not transferred; merging reads them where they are.
   virtual double bytes_per_second() const { return 1e12; }
 };
 

@@ -38,8 +38,8 @@ class RowCosts {
 /// Returns one share per device, or nullopt for a device that gets none. With kAverage, shares are
 /// parts of the sequence `sequence`. With kTiles, they are bands that take equally long at these
 /// speeds and contain every row once. Each device gets at least one unit of rows if there are
-/// enough units. `speeds` has the speed of each device in any unit, or 0 for one that takes no
-/// part. At least one device must take part.
+/// enough units. `speeds` has the speed of each device in any unit, or 0 for a device that gets no
+/// share. At least one speed must be positive.
 std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
                                               const std::vector<double>& speeds,
                                               const RowCosts& costs, std::uint64_t sequence);
@@ -49,7 +49,7 @@ std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
 inline constexpr double kPartSeconds = 0.6e-3;
 inline constexpr double kMergeSeconds = 0.03e-9;
 /// By how much the slowest band exceeds its even share of the time, per additional device. Measured
-/// there too.
+/// like the costs above.
 inline constexpr double kBandsUneven = 0.15;
 
 /// The input of choose_division().

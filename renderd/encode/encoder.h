@@ -40,14 +40,14 @@ class Encoder {
   virtual Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) = 0;
 };
 
-/// kInternal when the number of pixels does not match the size.
+/// Fails with kInternal if the number of pixels does not match the size.
 Result<void> check_picture(const PictureRgb8& picture);
 
 /// Whether this process supports the codec. For H.264, the first call tests the encoders, which
 /// takes some milliseconds.
 bool can_encode(diaphane::v1::Codec codec);
 
-/// kUnsupported for a codec that this program does not support.
+/// Creates an encoder. Fails with kUnsupported for a codec that this program does not support.
 Result<std::unique_ptr<Encoder>> make_encoder(diaphane::v1::Codec codec);
 
 }  // namespace diaphane::render

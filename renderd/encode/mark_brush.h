@@ -10,7 +10,7 @@
 /// Draws the lines and texts of marks on a picture, like frontend/src/marks/paint.ts.
 namespace diaphane::render {
 
-/// In pixels of the whole picture, from its upper left corner.
+/// A position in pixels of the whole picture, from its upper left corner.
 struct PicturePoint {
   double x = 0, y = 0;
 };
@@ -47,7 +47,7 @@ struct Stamp {
   double scale = 1;  ///< pixels of the picture per pixel of the stamp
 };
 
-/// The picture may be a band of a larger one.
+/// Draw on a picture, which may be a band of a larger one.
 void draw(PictureRgb8& picture, const MarkLines& lines, const Pen& pen);
 void draw(PictureRgb8& picture, const Stamp& stamp, MarkColour colour, double opacity);
 
