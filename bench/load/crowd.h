@@ -38,8 +38,8 @@ struct CrowdResult {
 };
 
 /// Opens all sessions, lets `moving` of them drag at any moment, and measures. `measured` is called
-/// with false at the start and with true at the end of the measurement. kUnavailable when no
-/// session receives a picture.
+/// with false at the start and with true at the end of the measurement. Fails with kUnavailable if
+/// no session receives a picture.
 Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
                               const std::function<void(bool)>& measured);
 

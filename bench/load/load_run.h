@@ -16,7 +16,7 @@ namespace diaphane::api::load {
 class Search {
  public:
   Search(std::size_t first, std::size_t most) : next_(first), most_(most) {}
-  /// 0 when the search is finished.
+  /// Returns the number of sessions to try next, or 0 when the search is finished.
   std::size_t next() const { return next_; }
   void tried(bool held);
   std::size_t largest_held() const { return held_; }

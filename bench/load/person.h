@@ -33,7 +33,8 @@ struct Measurements {
 class Person final : public ViewerEvents, public std::enable_shared_from_this<Person> {
  public:
   Person(boost::asio::io_context& io, ViewerOptions options, std::string preset);
-  /// Plays the recording again and again, from its input number `first` on. Before enter().
+  /// Plays the recording again and again, from its input number `first` on. To be called before
+  /// enter().
   void play(std::shared_ptr<const Recording> recording, std::size_t first);
 
   /// Opens the stream. `ready` is called once: with true at the first picture, or with false if the
@@ -54,7 +55,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
 
   // Must be read on the viewer's strand, or after everything has stopped.
   const Measurements& measurements() const { return measurements_; }
-  /// Counts inputs without a frame with their age.
+  /// Counts the inputs that no frame has answered, with their ages.
   void give_up(TimePoint now);
   std::optional<double> opening_seconds() const { return opening_; }
   int close_code() const { return code_; }  ///< -1 while the stream is open
@@ -70,7 +71,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
   void input();
   /// Returns the scene of the next input.
   diaphane::v1::Scene next_scene();
-  /// Returns when the next input is due. Nothing follows if the gesture has ended.
+  /// Returns when the next input is due, or nullopt if the gesture has ended.
   std::optional<TimePoint> time_after(TimePoint now);
   void end_drag(TimePoint now);
   bool measured(TimePoint at) const { return at >= from_ && at < until_; }

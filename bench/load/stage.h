@@ -35,7 +35,7 @@ class Stage {
     std::string log_dir;                       ///< empty: the temporary directory
     std::chrono::seconds start{60};            ///< time limit for all programs to become ready
   };
-  /// kUnavailable, with the end of the log, when a program does not become ready.
+  /// Fails with kUnavailable and the end of the log if a program does not become ready.
   static Result<std::unique_ptr<Stage>> set(Options options);
   ~Stage();
 

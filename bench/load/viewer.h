@@ -28,7 +28,7 @@ struct ReceivedFrame {
   std::uint32_t width = 0, height = 0;
 };
 
-/// Called on the viewer's strand.
+/// Receives the events of a viewer on the viewer's strand.
 class ViewerEvents {
  public:
   virtual ~ViewerEvents() = default;
@@ -66,7 +66,7 @@ class Viewer {
   /// Drops the connection without a handshake, like an unplugged cable.
   void cut();
 
-  /// Run work on its strand, now or later.
+  /// Run `work` on the viewer's strand, at once or after `time`.
   void post(std::function<void()> work);
   void after(std::chrono::nanoseconds time, std::function<void()> work);
 

@@ -16,9 +16,8 @@
 // A simulated fleet of thousands of devices in steps of one second. The plan places its workers,
 // and one of the placement policies places its sessions. One of them also lends unused device time.
 // A session stays for an exponential time and alternates between looking and resting. While it
-// looks, it wants a share of its device, drawn from a log-normal distribution. What an overloaded
-// device cannot deliver arrives late. It counts as lost to imbalance as far as other devices are
-// idle.
+// looks, it wants a share of its device, drawn from a log-normal distribution. Work that an
+// overloaded device cannot do in time counts as lost to imbalance as far as other devices are idle.
 
 namespace diaphane::fleet::bench {
 
@@ -82,7 +81,7 @@ class FleetModel {
     bool looks = true;
     Seconds turns = 0, ends = 0;
   };
-  /// One per ordinal that a worker's name has had.
+  /// A device with the state of its worker. There is one per ordinal in the workers' names.
   struct Device {
     std::string name;
     bool ready = false, draining = false;

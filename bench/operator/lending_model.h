@@ -29,7 +29,7 @@ struct LendingCosts {
 class LendingModel {
  public:
   struct Device {
-    bool there = false;  ///< running and taking part
+    bool there = false;  ///< running and not draining
     bool draining = false;
     double wants = 0;  ///< demand of its own sessions
   };

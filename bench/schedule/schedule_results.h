@@ -30,7 +30,7 @@ struct DecisionTime {
   std::vector<double> seconds;  ///< mean of each repetition
 };
 
-/// A device's output for resting sessions, relative to its output for one alone with long quanta.
+/// What a device loses with several resting sessions, compared with one alone with long quanta.
 struct SharingRow {
   std::size_t sessions = 0;
   std::vector<double> lost;  ///< share, per repetition

@@ -10,8 +10,8 @@
 
 namespace diaphane::render::bench {
 
-/// What users did: when they arrived, dragged, looked away and left. In seconds from the start of
-/// the trace.
+/// A period in seconds from the start of a trace. A trace records when users arrived, dragged,
+/// looked away and left.
 struct Span {
   double begin = 0;
   double end = 0;
@@ -61,7 +61,7 @@ struct TraceEvent {
 std::vector<TraceEvent> events_of(const Trace& trace);
 
 std::string trace_json(const Trace& trace);
-/// Returns kInvalid with the reason.
+/// Parses a trace. Fails with kInvalid and the reason.
 Result<Trace> trace_of_json(const std::string& text);
 
 }  // namespace diaphane::render::bench
