@@ -34,7 +34,7 @@ struct CrowdResult {
   std::size_t problems = 0;
   std::vector<double> opening_seconds;
   double seconds = 0;         ///< length of the measurement
-  Measurements measurements;  ///< over all sessions
+  Measurements measurements;  ///< measurements of all sessions
 };
 
 /// Opens all sessions, lets `moving` of them drag at any moment, and measures. `measured` is called

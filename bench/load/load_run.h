@@ -30,8 +30,8 @@ class Search {
 struct LoadOptions {
   Stage::Options stage;
   CrowdOptions crowd;
-  double bound_seconds = 0.1;  ///< for p95
-  unsigned repeats = 1;        ///< of the requested run
+  double bound_seconds = 0.1;  ///< latency limit for the 95th percentile
+  unsigned repeats = 1;        ///< number of runs with the requested number of sessions
   bool find = false;           ///< also search for the largest number of sessions within the limit
   std::size_t most_sessions = 1024;
 };

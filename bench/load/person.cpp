@@ -161,8 +161,7 @@ v1::Scene Person::next_scene() {
   return turned(scene_, degrees_);
 }
 
-// A delayed page sends its next input with its next displayed frame instead of all missed ones at
-// once.
+// Skips missed inputs: a delayed page sends its next input with its next displayed frame.
 std::optional<TimePoint> Person::time_after(TimePoint now) {
   if (!recording_) {
     while (next_input_ <= now) next_input_ += kInputInterval;

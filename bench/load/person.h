@@ -22,8 +22,9 @@ struct Measurements {
   /// parts.
   std::vector<double> answer_seconds, render_seconds, encode_seconds;
   std::size_t inputs = 0;
-  std::size_t frames = 0, bytes = 0;                ///< of all frames
-  std::size_t moving_frames = 0, moving_bytes = 0;  ///< of frames during movement
+  std::size_t frames = 0, bytes = 0;                ///< number of all frames, and their bytes
+  std::size_t moving_frames = 0, moving_bytes = 0;  ///< number of frames during movement, and their
+                                                    ///< bytes
   double moving_seconds = 0;
   double pixels = 0;  ///< sum over the moving frames
 };
@@ -80,7 +81,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
   const ViewerOptions options_;
   const std::string preset_;
   std::shared_ptr<const Recording> recording_;  ///< null: turns around the scan
-  std::size_t recorded_ = 0;                    ///< its next input
+  std::size_t recorded_ = 0;                    ///< index of its next input
   std::unique_ptr<Viewer> viewer_;
   std::function<void(bool)> ready_;
   std::function<void()> done_;

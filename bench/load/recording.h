@@ -19,7 +19,7 @@ class Recording {
   /// Parses a recording. Fails with kInvalid, which says what is wrong.
   static Result<Recording> read(std::string_view json);
 
-  std::uint32_t width = 0, height = 0;  ///< of the window, in pixels
+  std::uint32_t width = 0, height = 0;  ///< size of the window in pixels
   std::size_t size() const { return inputs_.size(); }
   diaphane::v1::Scene scene(std::size_t input) const;
   /// Returns the seconds from this input to the next one of its gesture, or 0 if it is the last

@@ -43,7 +43,7 @@ class Stage {
   std::uint16_t stream_port() const { return stream_port_; }
   const std::string& origin() const { return origin_; }
   const std::string& volume_id() const { return volume_id_; }
-  /// Whether all programs are still running.
+  /// Returns whether all programs are still running.
   bool stands();
   Usage usage() const;
 

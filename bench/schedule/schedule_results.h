@@ -39,7 +39,7 @@ struct SharingRow {
 struct ScheduleReport {
   std::string how;  ///< "simulated" or "real"
   std::string device;
-  double seconds = 0;  ///< of a trace
+  double seconds = 0;  ///< length of a trace
   std::vector<ScheduleRow> rows;
   std::vector<FleetRow> fleet;
   std::vector<SharingRow> sharing;

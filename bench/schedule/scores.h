@@ -22,7 +22,8 @@ class SessionScore {
   void began(double at);
   /// Records that a picture of the newest input whose rendering had begun was shown.
   void frame(double at, double error);
-  /// The viewer looks away, returns (and sees the current picture), or leaves.
+  /// Records that the viewer stopped looking at the picture for a while, or left for good
+  /// (`ended`).
   void hidden(double at);
   void ended(double at);
 

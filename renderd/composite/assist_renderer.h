@@ -29,10 +29,10 @@ class AssistDesk {
   /// Records that the compositor took the part, and the progress of its picture.
   void taken(const AssistNews& news);
   AssistNews news() const;
-  /// Whether no part is in transit.
+  /// Returns whether no part is in transit.
   bool room() const;
-  /// Whether further rendering is useful. It is not while as many samples as were delivered wait
-  /// behind a part in transit (may_render).
+  /// Returns whether further rendering is useful. It is not while as many samples as were delivered
+  /// wait behind a part in transit (may_render).
   bool wants_more() const;
 
   // Called by the renderer.

@@ -37,7 +37,7 @@ class DeviceThread {
   class JobAssistant;
 
   void run();
-  /// Whether the device's own pictures need it, as of now.
+  /// Returns whether the device's own pictures need it, as of now.
   bool needed();
   /// Returns whether they need it, or needed it a moment ago, so that a brief pause of a picture
   /// does not make helpers leave and return.

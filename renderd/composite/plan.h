@@ -32,7 +32,7 @@ class RowCosts {
   double share_of(std::uint32_t first, std::uint32_t last, std::uint32_t height) const;
 
  private:
-  std::vector<double> bins_;  ///< from the top; their mean is about 1
+  std::vector<double> bins_;  ///< costs from the top; their mean is about 1
 };
 
 /// Returns one share per device, or nullopt for a device that gets none. With kAverage, shares are
@@ -68,7 +68,7 @@ struct DivisionInput {
 };
 
 struct DivisionGain {
-  double seconds = 0;      ///< until the picture has DivisionInput::samples
+  double seconds = 0;      ///< time until the picture has DivisionInput::samples
   double bytes_moved = 0;  ///< bytes of the parts that devices transfer to each other
 };
 
@@ -88,12 +88,12 @@ struct PartInput {
   double seconds_cost = 0;      ///< time that the last delivery took; 0: unknown
   bool room = true;             ///< the last part was taken
 };
-/// Whether a part is due. The first pair of samples is due at once, and later parts whenever the
-/// samples held are a quarter of those delivered. Deliveries take at most an eighth of the time. A
-/// part is due at the latest after 100 ms.
+/// Returns whether a part is due. The first pair of samples is due at once, and later parts
+/// whenever the samples held are a quarter of those delivered. Deliveries take at most an eighth of
+/// the time. A part is due at the latest after 100 ms.
 bool part_due(const PartInput& input);
-/// Whether a device may continue while its part has not been taken. It stops after as many samples
-/// again, because no one waits for more.
+/// Returns whether a device may continue while its part has not been taken. It stops after as many
+/// samples again, because no one waits for more.
 bool may_render(const PartInput& input);
 
 }  // namespace diaphane::render

@@ -19,7 +19,7 @@ class FrameSink {
   virtual Admitted admit(const FrameInfo& frame) = 0;
   virtual void coded(const FrameInfo& frame, CodedFrame data, double seconds) = 0;
   virtual void dropped(const FrameInfo& frame, const Error& why) = 0;
-  /// Whether even moving pictures of this session yield to those of other sessions.
+  /// Returns whether even moving pictures of this session yield to those of other sessions.
   virtual bool gives_way() const { return false; }
 };
 

@@ -20,7 +20,7 @@ class EncodePool {
  public:
   enum class Urgency {
     kNow,       ///< a user waits for it: moving pictures and the first picture of an epoch
-    kNowLarge,  ///< the same, but it takes long (more than `kSmallPixels`)
+    kNowLarge,  ///< kNow for a picture of more than `kSmallPixels`, which takes long
     kLater,     ///< refinement at rest, and all work for visitors; runs at a lower CPU priority
   };
   /// About what one thread encodes in 5 ms.

@@ -120,10 +120,10 @@ AreaLight projecting(AreaLight light, double degrees, Double3 middle, Double3 or
 
 /// Properties that lights of all shapes have.
 struct Appearance {
-  Double3 radiance;  ///< intensity included
+  Double3 radiance;  ///< radiance with the light's intensity included
   const std::string* texture = nullptr;
   bool stored = false;  ///< `texture` is the ID of a stored environment
-  double rotation = 0;  ///< of an environment's texture, in degrees
+  double rotation = 0;  ///< rotation of an environment's texture in degrees
 };
 template <typename Shape>
 Appearance appearance_of(const Shape& shape, double intensity) {

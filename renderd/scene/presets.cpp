@@ -44,7 +44,7 @@ using Curve = std::initializer_list<Point>;
 struct Matter {
   const char* name;
   Vector albedo;
-  double reflectance;  ///< of the glossy surface, at normal incidence
+  double reflectance;  ///< reflectance of the glossy surface at normal incidence
   double gloss;
 };
 
@@ -217,10 +217,10 @@ void fill_channel(const volume::Header& header, const LookMaterial& material,
 /// A square light that faces the target.
 struct Lamp {
   const char* name;
-  Vector towards;   ///< in the camera's frame (x right, y up, z towards the eye)
-  double distance;  ///< from the target; like `edge`, in radii of what is framed
+  Vector towards;   ///< direction in the camera's frame (x right, y up, z towards the eye)
+  double distance;  ///< distance from the target; like `edge`, in radii of what is framed
   double edge;
-  double irradiance;  ///< at the target
+  double irradiance;  ///< irradiance at the target
   Vector tint;
 };
 

@@ -48,7 +48,7 @@ class InFlight {
 
   std::size_t count() const { return count_; }
   std::size_t rendering() const { return rendering_; }
-  /// Highest precedence of the quanta in flight; 0 if there are none.
+  /// Returns the highest precedence of the quanta in flight; 0 if there are none.
   unsigned highest() const {
     unsigned level = kHighestPrecedence;
     while (level > 0 && levels_[level].count == 0) --level;
@@ -94,10 +94,10 @@ class InFlight {
   double filled_ = 0, busy_seconds_ = 0;
 };
 
-/// Whether the device should get another quantum. Every device gets quanta until it is full. One
-/// that `queues` then gets one more, which waits behind the others, so that the device stays busy
-/// while the host handles the end of a quantum. The CPU engine does not queue, because it renders
-/// on the threads of the host.
+/// Returns whether the device should get another quantum. Every device gets quanta until it is
+/// full. One that `queues` then gets one more, which waits behind the others, so that the device
+/// stays busy while the host handles the end of a quantum. The CPU engine does not queue, because
+/// it renders on the threads of the host.
 inline bool room_for_another(const InFlight& in_flight, bool queues) {
   if (!queues) return in_flight.count() == 0 || in_flight.filled() < 1;
   return in_flight.filled() < 1 || in_flight.rendering() < 2;

@@ -72,7 +72,7 @@ void Ledger::refresh(ViewRequest requested, const DeviceCosts& device, const Led
   if (refused_size_ == planned_) planned_ = canvas_;
 }
 
-// Until a session has been measured, it is assumed to cost as much as the last one measured.
+// Returns the cost of the session, or that of the last measured session until it is measured.
 double Ledger::seconds_per_pixel(const DeviceCosts& device) const {
   return seconds_per_pixel_ > 0 ? seconds_per_pixel_ : device.seconds_per_pixel;
 }

@@ -67,8 +67,8 @@ class MarginalGain final : public Policy {
 
  private:
   bool may_overtake(const SessionView& session, unsigned above) const;
-  /// If `above` is set, considers only first pictures that are due, answer an input and have a
-  /// precedence above it.
+  /// Returns the quanta to begin. If `above` is set, considers only first pictures that are due,
+  /// answer an input and have a precedence above it.
   std::vector<Quantum> choose(std::span<const SessionView> sessions,
                               std::optional<unsigned> above) const;
 

@@ -32,7 +32,7 @@ struct SessionView {
   /// Seconds since its last quantum, or since it began to gain if that was later.
   double seconds_waiting = 0;
   bool visible = true;      ///< a viewer is attached and the picture is on their screen
-  bool wants_frame = true;  ///< its encoder slot is free and the connection keeps up
+  bool wants_frame = true;  ///< whether its encoder slot is free and the connection keeps up
   bool visitor = false;     ///< belongs to a user without an account (VisitorShare)
   bool under_way = false;   ///< a quantum of it is in flight; this view was taken before that began
 };
@@ -60,11 +60,11 @@ class Policy {
   }
 };
 
-/// Whether another sample would improve a picture that someone sees: it is visible and has not
-/// reached its target error.
+/// Returns whether another sample would improve a picture that someone sees: it is visible and has
+/// not reached its target error.
 bool gains(const SessionView& session);
 
-/// Whether the session gains and has no quantum in flight.
+/// Returns whether the session gains and has no quantum in flight.
 bool waits(const SessionView& session);
 
 /// Returns the precedence on the CPU of the first picture after an input; everything else has 0. It

@@ -90,7 +90,7 @@ class AssistHost::Session final : public RenderClient,
   std::mutex mutex_;
   std::shared_ptr<AssistLink> link_;  ///< null: closed
   bool opened_ = false;
-  std::uint64_t handle_ = 0;  ///< in the runner; 0: not added yet
+  std::uint64_t handle_ = 0;  ///< handle in the runner; 0: not added yet
 };
 
 }  // namespace diaphane::render

@@ -113,7 +113,7 @@ struct AssistPeer {
     --calls_;
     changed_.notify_all();
   }
-  /// Whether there are other calls than the one that is ending.
+  /// Returns whether there are other calls than the one that is ending.
   bool has_others() {
     const std::lock_guard lock(mutex_);
     return calls_ > 1;
@@ -124,7 +124,7 @@ struct AssistPeer {
     left_ = true;
     for (grpc::ClientContext* call : contexts_) call->TryCancel();
   }
-  /// Whether all calls have ended after leave().
+  /// Returns whether all calls have ended after leave().
   bool gone() {
     const std::lock_guard lock(mutex_);
     return left_ && calls_ == 0;
@@ -144,7 +144,7 @@ struct AssistPeer {
 
 /// The worker that a session's assistant represents, which may change.
 struct AssistSlot {
-  bool always = false;  ///< permanent: the same worker, retried after failures
+  bool always = false;  ///< whether the worker stays the same and is retried after failures
 
   std::shared_ptr<AssistPeer> peer() const {
     const std::lock_guard lock(mutex_);

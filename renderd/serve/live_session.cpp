@@ -18,8 +18,8 @@
 namespace diaphane::render {
 namespace {
 
-// The first epoch rises with each placement, so that a frame of the previous worker never passes
-// for a new one.
+// Returns the first epoch, which rises with each placement, so that a frame of the previous worker
+// never passes for a new one.
 std::uint64_t first_epoch(std::uint64_t placement) { return placement << 24; }
 
 // Reduces the header to what a guest's page needs, without information about voxels that are not

@@ -64,17 +64,17 @@ struct SliceParts {
 struct SessionFacts {
   std::string id;
   std::string volume_id;
-  std::string user_id;       ///< owner of the session
-  std::string charged_to;    ///< user whose render time is charged; empty: no user
-  bool camera_only = false;  ///< a follower's free camera
-  std::string link = {};     ///< of a guest's free camera: the link by which they joined
-  std::weak_ptr<LiveSession> group = {};  ///< of a follower's free camera
+  std::string user_id;                    ///< owner of the session
+  std::string charged_to;                 ///< user whose render time is charged; empty: no user
+  bool camera_only = false;               ///< a follower's free camera
+  std::string link = {};                  ///< link by which a guest with a free camera joined
+  std::weak_ptr<LiveSession> group = {};  ///< session that a follower with a free camera follows
 };
 
 /// What the host asks about a session at one moment.
 struct SessionStatus {
   std::uint64_t placement = 0;
-  double device_seconds = 0;  ///< used by its samples
+  double device_seconds = 0;  ///< device time of its samples
   /// Whether the session counts towards the visitors' share. May change when the session is opened
   /// again with or without an account.
   bool visitor = false;
@@ -94,7 +94,8 @@ struct SessionParts {
   std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group,
                                                      const FreeCameraStart&)>
       open_free_camera;
-  bool mark_frames = false;  ///< for benches: draws input_seq into the pixels (encode/frame_mark.h)
+  bool mark_frames = false;  ///< whether benches can read input_seq from the pixels
+                             ///< (encode/frame_mark.h)
   GpuTimeMeter& gpu_time;
   const VolumeStatsCache& stats;
   VolumeCache& volumes;
@@ -133,7 +134,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
     bool visitor = false;
   };
 
-  /// `ended` is called once, without a lock, when the session has ended on its own.
+  /// Creates a session. Calls `ended` once, without a lock, when the session ends on its own.
   LiveSession(SessionParts parts, Start start, std::function<void(const Error&)> ended);
 
   /// Loads the volume that the first scene needs. If that fails, the session ends with a fatal
@@ -313,7 +314,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::map<std::string, std::shared_ptr<LiveSession>> camera_sessions_;  // by id
   std::uint64_t followed_ = 0;  // number of the presenter's newest settings
   std::shared_ptr<const DeviceVolume> volume_;
-  bool with_table_ = false;     ///< of `volume_`, or of the one that is awaited first
+  bool with_table_ = false;     ///< VolumeKey::with_table of `volume_`, or of the one awaited first
   bool loading_other_ = false;  ///< the one with the other value of `with_table_`
   std::optional<File> file_;
   std::vector<diaphane::v1::Preset> presets_;

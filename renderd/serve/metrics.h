@@ -21,8 +21,8 @@ class Metrics {
   ~Metrics();
 
   void sessions(std::size_t live);
-  /// `borrowed`: workers that help with this worker's pictures. `helped`: pictures of other workers
-  /// that this one helps with.
+  /// Sets the number of workers that help with this worker's pictures (`borrowed`), and of pictures
+  /// of other workers that this one helps with (`helped`).
   void lending(std::size_t borrowed, std::size_t helped);
   void rendered(std::uint32_t samples, double seconds, std::uint64_t dropped);
   void encoded(double seconds);
@@ -40,7 +40,7 @@ class Metrics {
   /// Sets the total counts of the node's copies of volumes. Not thread-safe.
   void volume_copies(const volume::NodeCache::Counts& counts);
   void still(double seconds);
-  /// `status` is a gRPC status name, from a closed set.
+  /// Counts an error. `status` is a gRPC status name, from a closed set.
   void grpc_error(const std::string& status);
   void redis_error();
   /// Sets the device's total times. "busy" is their total, and its parts overlap. Not thread-safe.

@@ -31,7 +31,7 @@ struct Source {
   std::string store;
   std::shared_ptr<volume::NodeCache> copies;
 
-  // `id` was validated, so the path cannot leave the store.
+  // Reads a volume. `id` was validated, so the path cannot leave the store.
   Result<volume::Volume> read(const std::string& id) const {
     return copies ? copies->read(id) : volume::read(store + "/" + id, false);
   }

@@ -16,7 +16,7 @@
 
 namespace diaphane::render {
 
-/// The error for a visitor whose slot went to an account holder.
+/// Returns the error for a visitor whose slot went to an account holder.
 const Error& displaced();
 bool is_displaced(const Error& why);
 
@@ -56,8 +56,8 @@ class SessionHost {
   struct Live {
     std::string id;
     std::uint64_t placement = 0;
-    double device_seconds = 0;  ///< since it was opened on this worker
-    bool visitor = false;       ///< of a visitor, or a guest's free camera
+    double device_seconds = 0;  ///< device time since it was opened on this worker
+    bool visitor = false;       ///< whether it belongs to a visitor or is a guest's free camera
   };
 
   SessionHost(Options options, Homes& homes, EncodePool& encoders, VolumeCache& volumes,

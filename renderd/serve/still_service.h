@@ -50,7 +50,7 @@ class StillService {
   Metrics& metrics_;
   const Clock& clock_;
   const std::uint32_t most_samples_;
-  // Shared with the orders, because the last of them may outlive this object.
+  // The number of waiting stills, shared with the orders, because the last may outlive this object.
   const std::shared_ptr<std::atomic<int>> pending_ = std::make_shared<std::atomic<int>>(0);
 };
 

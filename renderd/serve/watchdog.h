@@ -28,7 +28,7 @@ class Watchdog {
     std::function<std::uint64_t()> pulse;
   };
   struct Options {
-    std::chrono::milliseconds limit{10'000};            ///< of silence, at least two polls
+    std::chrono::milliseconds limit{10'000};            ///< maximum silence, at least two polls
     std::chrono::milliseconds poll_interval{250};       ///< between two polls
     std::function<void(const std::string& name)> hung;  ///< called once, from the watchdog's thread
   };

@@ -27,7 +27,7 @@ struct PointerMoved {
 /// The surface at which a participant points. nullopt: only background is visible there.
 struct PointerFound {
   std::uint64_t connection = 0;
-  std::uint64_t number = 0;  ///< of effect::FindPointer
+  std::uint64_t number = 0;  ///< number in effect::FindPointer
   std::optional<Double3> place;
 };
 struct MarksSent {

@@ -35,7 +35,7 @@ struct Send {
   diaphane::v1::ServerMessage message;
 };
 struct Warn {
-  std::string event;  ///< of the log
+  std::string event;  ///< name of the event in the log
 };
 /// Sends the state of the whole session (Config) to a connection.
 struct Configure {
@@ -107,7 +107,7 @@ struct OpenCamera {
   std::uint64_t connection = 0;
   std::string participant;
   std::string name;
-  std::string link;  ///< by which they joined; empty: the owner
+  std::string link;  ///< link by which they joined; empty: the owner
   ViewerKind viewer = ViewerKind::kGuest;
   bool may_have_slices = false;
   std::shared_ptr<const diaphane::v1::Scene> scene;
@@ -135,7 +135,7 @@ struct FollowPresenter {
 struct SilenceCamera {
   std::string session;
   std::uint64_t connection = 0;  ///< its number in the group's session
-  std::optional<Error> why;      ///< for the follower; nullopt: it was their wish
+  std::optional<Error> why;      ///< error to show to the follower; nullopt: the follower wished it
 };
 struct DismissCamera {
   std::string session;

@@ -54,7 +54,7 @@ class Files {
   Effects handle(const ViewerLeft& event);
   Effects handle(SessionEnded event);
 
-  /// Whether this file is still wanted.
+  /// Returns whether this file is still wanted.
   bool makes(std::uint64_t file) const { return file_ && file_->id == file; }
 
  private:
@@ -63,7 +63,7 @@ class Files {
   /// The file that is being made or sent.
   struct File {
     std::uint64_t id = 0;
-    std::uint64_t connection = 0;  ///< that asked for it
+    std::uint64_t connection = 0;  ///< connection that asked for it
   };
   std::optional<File> file_;
   std::uint64_t files_ = 0;  // number of files so far, from which ids are made

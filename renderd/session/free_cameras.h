@@ -20,7 +20,7 @@ struct CameraOpened {
   std::uint64_t connection = 0;
   std::string session;
   Result<std::uint64_t> there;  ///< number of the follower's connection in that session
-  bool withdrawn = false;       ///< that session has ended already
+  bool withdrawn = false;       ///< whether that session has ended already
   bool gone = false;            ///< the follower has left
 };
 /// A follower's own session sends nothing more.
@@ -58,8 +58,8 @@ class FreeCameras {
   std::uint64_t number_ = 0;                        // of that scene
 };
 
-/// Whether a message of a follower with a free camera concerns the picture that they see, and not
-/// the group.
+/// Returns whether a message of a follower with a free camera concerns the picture that they see,
+/// and not the group.
 bool concerns_picture(const diaphane::v1::ClientMessage& message);
 
 }  // namespace diaphane::render

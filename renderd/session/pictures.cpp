@@ -5,10 +5,10 @@
 namespace diaphane::render {
 namespace {
 
-// A frame of the current epoch is always useful. A frame of the previous epoch is useful only as
-// the first picture of its epoch. When inputs arrive faster than pictures, all pictures are
-// slightly old, and dropping them all would show nothing until the hand rests. No frame is useful
-// after a newer one.
+// Returns whether a frame is still worth sending. A frame of the current epoch always is, and one
+// of the previous epoch only as the first picture of its epoch. When inputs arrive faster than
+// pictures, all pictures are slightly old, and dropping them all would show nothing until the hand
+// rests. No frame is useful after a newer one.
 bool useful(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
   if (frame.epoch < receiver.sent_epoch) return false;
   return frame.epoch >= state.epoch || frame.first_of_epoch;

@@ -43,7 +43,7 @@ class Slices {
   Effects handle(SceneChanged event, SessionState& state);
   Effects handle(AllViewersLeft event);
 
-  /// Empty until the volume is loaded.
+  /// Returns nullopt until the volume is loaded.
   const std::optional<SliceStacks>& stacks() const { return stacks_; }
 
  private:

@@ -21,12 +21,12 @@ struct SessionState {
   std::string id;
   std::string volume_id;
   std::uint64_t placement = 0;
-  std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< that this worker can encode
+  std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< codecs of this worker
 
   ViewRequest requested;  ///< the newest accepted request
   /// The newest request that the renderer accepted, which is restored after a refusal.
   ViewRequest shown;
-  std::uint64_t epoch = 0;  ///< of the current picture
+  std::uint64_t epoch = 0;  ///< epoch of the current picture
 
   Audience audience;
   TimePoint detached_since{};  ///< valid while no viewer is connected
@@ -74,7 +74,7 @@ Canvas visitor_canvas(Canvas viewport);
 /// The viewer of a new connection.
 struct JoinRequest {
   std::string participant{kOwner};
-  std::string name;  ///< as entered
+  std::string name;  ///< the name as entered
   std::string link;
   ViewerKind viewer = ViewerKind::kGuest;
   bool may_have_slices = false;
@@ -112,7 +112,7 @@ Outcome refused(SessionState& state, const ViewRequest& requested, const Error& 
 /// Returns connections that have not sent a greeting in time.
 std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now);
 
-/// Whether any viewer would benefit from further rendering.
+/// Returns whether any viewer would benefit from further rendering.
 bool watched(const SessionState& state, TimePoint now);
 
 }  // namespace diaphane::render

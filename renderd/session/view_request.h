@@ -22,11 +22,11 @@ struct ViewRequest {
   Canvas viewport;
   std::uint64_t input_seq = 0;  ///< the newest input that it contains
   std::chrono::steady_clock::time_point last_input{};
-  bool rest = false;       ///< that input is the last of its gesture
-  bool full_size = false;  ///< no picture may be smaller than the viewport, as for another worker
+  bool rest = false;       ///< whether that input is the last of its gesture
+  bool full_size = false;  ///< whether no picture may be smaller than the viewport
   bool visible = true;
   bool room = true;  ///< the encoder's slot is free and the viewer keeps up
-  bool raw = false;  ///< without denoiser
+  bool raw = false;  ///< whether the picture is shown without denoising
   Effort effort;
   /// Maximum size while moving that the connection permits, relative to the viewport's sides.
   double moving_scale = 1;
@@ -59,10 +59,10 @@ struct RenderedPicture {
 class RenderClient {
  public:
   virtual ~RenderClient() = default;
-  /// Whether the picture is rendered for another worker.
+  /// Returns whether the picture is rendered for another worker.
   virtual bool of_another_worker() const { return false; }
-  /// Whether it belongs to a user without an account. Such clients together get a limited share of
-  /// the device.
+  /// Returns whether it belongs to a user without an account. Such clients together get a limited
+  /// share of the device.
   virtual bool of_visitor() const { return false; }
   /// Returns the request and marks its `picture_again` as read, because the runner acts on it at
   /// once.

@@ -41,8 +41,8 @@ class VolumeCache {
   /// outdated.
   using Stored = std::function<std::optional<std::string>(const std::string& id)>;
 
-  /// `bound` is in bytes as DeviceVolume counts them. With `stored`, copies that are no longer in
-  /// the store are never returned, and forget_outdated() drops them.
+  /// Limits the volumes to `bound` bytes as DeviceVolume counts them. With `stored`, copies that
+  /// are no longer in the store are never returned, and forget_outdated() drops them.
   VolumeCache(Load load, std::uint64_t bound, unsigned threads = 1, Stored stored = {});
   /// Waits for the load in progress. Loads that have not begun end with kUnavailable.
   ~VolumeCache();
