@@ -117,7 +117,7 @@ void add(Measurements& all, const Measurements& one) {
   all.pixels += one.pixels;
 }
 
-// The people of one run and what they need.
+// The users of one run and their resources.
 class Crowd {
  public:
   Crowd(const CrowdOptions& options, Placement& placement)

@@ -27,8 +27,8 @@ class SessionScore {
   void hidden(double at);
   void ended(double at);
 
-  /// Time from the last input of a gesture to a good picture. If the picture became irrelevant
-  /// before, a lower bound.
+  /// Time from the last input of a gesture to a good picture. It is a lower bound if the picture
+  /// became irrelevant before.
   struct ToGood {
     double seconds = 0;
     bool reached = false;

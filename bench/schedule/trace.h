@@ -53,8 +53,8 @@ struct TraceEvent {
   double at = 0;
   enum class Kind { kArrive, kInput, kHide, kShow, kLeave } kind = Kind::kInput;
   std::size_t session = 0;
-  /// Of an input: the last of its gesture, after which the user looks until the next event. The
-  /// arrival counts as one.
+  /// Whether an input is the last of its gesture, after which the user looks until the next event.
+  /// The arrival counts as one.
   bool last = false;
 };
 /// Returns the events in order of time.

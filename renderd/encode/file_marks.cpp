@@ -27,7 +27,7 @@ constexpr std::array<MarkColour, 8> kColours{{{0xff, 0xb4, 0x54},
                                               {0x63, 0xe0, 0xcf},
                                               {0xff, 0x94, 0x80}}};
 constexpr MarkColour kDark{0x14, 0x18, 0x1d};
-// In pixels of the page.
+// Sizes in pixels of the page.
 constexpr double kShortestArrow = 14, kLeastRadius = 3;
 /// Width of the space that a text may need, for the choice of a side.
 constexpr double kTextWidth = 130;

@@ -7,7 +7,7 @@
 
 namespace diaphane::render {
 
-/// These functions require messages that have passed check_scene().
+/// All functions of this file require parts of a scene that has passed check_scene().
 ClipView prepare_clip(const diaphane::v1::Clip& clip, const WorldToFrame& frame, Double3 spacing);
 
 /// Assigns to each axis of the patient the nearest voxel axis (0 to 2), a different one for each,

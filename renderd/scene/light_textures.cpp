@@ -17,8 +17,7 @@ namespace diaphane::render {
 namespace {
 
 /// Fraction of the mean of a row or map that is added to each texel's brightness. So every
-/// direction is drawn now and then, and no texel's probability is lost in the rounding of its row's
-/// sums.
+/// direction can be drawn, and no texel's probability is lost in the rounding of its row's sums.
 constexpr double kFloor = 0.01;
 
 double brightness(const Float4& c) {

@@ -33,8 +33,8 @@ std::size_t take_freed_texture_memory();
 /// Returns the bytes that the pictures on a scene's lights take when decoded, including their
 /// files. Decodes nothing. Errors name the field.
 Result<std::size_t> bytes_of_textures(const std::vector<TextureFile>& files);
-/// Fails with kInvalid and the name of the field if there are more pixels than a visitor's scene
-/// may have.
+/// Checks the textures of a visitor's scene. Fails with kInvalid and the name of the field if they
+/// have too many pixels.
 Result<void> check_visitors_textures(const std::vector<TextureFile>& files);
 
 /// Like prepare_textures(), for `owner`. If that is empty, only the limit for all scenes applies.

@@ -14,9 +14,9 @@ enum class StillRank {
 };
 
 /// Returns the seconds that stills get per second that the device is busy, by the rank of the first
-/// one. Awaited stills get a third of the device, but little while a session moves. A file gets
-/// half of it while no session moves, because its user waits for minutes, and pictures at rest are
-/// good enough to look at meanwhile. The share is a share of time, not of turns: one sample of a
+/// one. Awaited stills get half, but little while a session moves. A file gets half as well,
+/// because its user waits for minutes and pictures at rest are good enough to look at meanwhile,
+/// but nothing while a session moves. The share is a share of time, not of turns: one sample of a
 /// large canvas on a slow device takes a second, so a turn of 30 ms between two of them would make
 /// a thumbnail wait for a minute.
 inline double still_share(StillRank first, std::size_t moving_sessions) {

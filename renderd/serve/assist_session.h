@@ -64,7 +64,7 @@ class AssistHost::Session final : public RenderClient,
   void closed();
   void end(const Error& why);
 
-  // RenderClient
+  // Implementation of RenderClient:
   bool of_another_worker() const override { return true; }
   ViewRequest requested() override;
   std::uint64_t version() const noexcept override { return version_; }

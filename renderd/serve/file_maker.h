@@ -27,7 +27,7 @@ struct FileStep {
 class FileMaker {
  public:
   virtual ~FileMaker() = default;
-  /// Returns nullopt when all pictures have been taken.
+  /// Returns the next picture to render, or nullopt when all pictures have been taken.
   virtual std::optional<FileStep> next() = 0;
   /// Takes the picture of the last step and its number of samples. Returns the bytes of the file
   /// that are ready.

@@ -31,8 +31,8 @@ class FileSink {
   virtual void ended(const Error& why) = 0;
 };
 
-/// Makes and sends one file. Its pictures are rendered one by one with the lowest priority, encoded
-/// in the pool, and sent as fast as the receiver takes them. Thread-safe.
+/// Makes and sends one file. Its pictures are rendered one by one as stills of the lowest rank,
+/// encoded in the pool, and sent as fast as the receiver takes them. Thread-safe.
 class FileWork : public std::enable_shared_from_this<FileWork> {
  public:
   /// `took` receives the device seconds to charge. `runner` and `pool` must outlive this object.

@@ -26,7 +26,7 @@ using std::chrono::steady_clock;
 // does not read.
 constexpr std::size_t kMostQueued = 64;
 constexpr std::chrono::seconds kFlushTime{2};
-// Covers TLS and the start of HTTP/2. gRPC's default is two minutes.
+// Time limit for TLS and the start of HTTP/2. gRPC's default is two minutes.
 constexpr int kHandshakeMs = 10'000;
 // Limits of unauthenticated connections: far more than gateways, apis and other workers need when
 // they all reconnect at once, and few enough for a limit of 1,024 open files.

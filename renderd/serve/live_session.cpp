@@ -302,7 +302,7 @@ void LiveSession::tick(std::size_t sessions) {
     leave(silent);
   }
   if (turn.now - stats_since_ >= std::chrono::seconds(1)) report_stats(sessions, turn.now);
-  // The presenter may have stalled, or a key frame may be due, without any message.
+  // Needed because the presenter may stall, or a key frame become due, without any message.
   apply(Effects{effect::PokeEncoders{}});
   apply(slices_.handle(SlicesTicked{}, state_, turn.now));
 }

@@ -60,7 +60,7 @@ struct SliceParts {
   EncodePool& pool;     ///< holds at most one slice per viewer
 };
 
-/// What never changes about a session.
+/// The properties of a session that never change.
 struct SessionFacts {
   std::string id;
   std::string volume_id;
@@ -71,7 +71,7 @@ struct SessionFacts {
   std::weak_ptr<LiveSession> group = {};  ///< session that a follower with a free camera follows
 };
 
-/// What the host asks about a session at one moment.
+/// The state of a session at one moment, as the host needs it.
 struct SessionStatus {
   std::uint64_t placement = 0;
   double device_seconds = 0;  ///< device time of its samples
@@ -83,7 +83,7 @@ struct SessionStatus {
   std::optional<std::chrono::steady_clock::duration> abandoned_for;
 };
 
-/// What a session needs from the process. Everything outlives the session.
+/// Resources of the process that a session uses. They outlive the session.
 struct SessionParts {
   std::shared_ptr<const Home> home;
   EncodePool& encoders;
@@ -170,7 +170,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   diaphane::v1::ErrorCurve error_curve() const;
 
  private:
-  /// The session as the runner sees it (session_client.h).
+  /// The runner's interface to the session (session_client.h).
   class Client;
   /// A codec in use: the slot of its encoder, and its link to this session.
   class Lane;

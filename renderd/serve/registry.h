@@ -46,7 +46,7 @@ class Registry {
 
   /// Starts to send heartbeats. `redis` must outlive this object.
   Registry(Options options, directory::Client& redis, SessionHost& host, Metrics& metrics);
-  /// Removes the worker from the list.
+  /// Removes the worker from the list of workers.
   ~Registry();
   Registry(const Registry&) = delete;
   Registry& operator=(const Registry&) = delete;

@@ -52,7 +52,7 @@ class SessionHost {
     /// For benches: draws input_seq into the pixels (encode/frame_mark.h).
     bool mark_frames = false;
   };
-  /// What the heartbeat reports about a session.
+  /// The state of a session that the heartbeat reports.
   struct Live {
     std::string id;
     std::uint64_t placement = 0;
@@ -91,7 +91,7 @@ class SessionHost {
   std::vector<SavedSession> take_unsaved();
   void mark_unsaved(const std::string& id);
   std::optional<RecoveryRecord> recovery_record(const std::string& id) const;
-  /// Returns nullopt if this worker has no such session.
+  /// Returns the error curve of a session, or nullopt if this worker has no such session.
   std::optional<diaphane::v1::ErrorCurve> error_curve(const std::string& id) const;
   /// Returns the render time of users with sessions on this worker.
   GpuTimeMeter& gpu_time() { return gpu_time_; }
@@ -107,7 +107,7 @@ class SessionHost {
   void forget(const std::string& id, const LiveSession* session);
   /// Returns the callback for a session that ends on its own.
   std::function<void(const Error&)> when_ended(const std::string& id);
-  /// Called when a session ended because the device had no memory for it.
+  /// Makes room after a session found no memory: evicts another one or counts the device as full.
   void out_of_memory();
   bool full() const;  // requires the lock
   void freed();       // requires the lock; called when a session ended

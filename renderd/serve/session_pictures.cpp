@@ -7,7 +7,7 @@
 #include "renderd/serve/session_lane.h"
 #include "renderd/serve/session_turn.h"
 
-// LiveSession: pictures through the encoders to the viewers.
+// LiveSession: passes pictures through the encoders to the viewers.
 
 namespace diaphane::render {
 Admitted LiveSession::admit(const Lane& lane, const FrameInfo& frame) {

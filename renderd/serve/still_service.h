@@ -14,8 +14,8 @@
 
 namespace diaphane::render {
 
-/// Renders pictures without a session, such as thumbnails, while the sessions pause. At most
-/// `kPending` can wait.
+/// Renders pictures without a session, such as thumbnails, with a limited share of the device
+/// (still_share). At most `kPending` can wait.
 class StillService {
  public:
   using Done = std::function<void(Result<diaphane::v1::StillReply>)>;

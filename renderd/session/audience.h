@@ -81,7 +81,7 @@ struct Receiver {
   FlightWindow flight;
   LinkEstimate path;  ///< estimated capacity of its connection
   QualitySteps quality;
-  /// Unspecified: no lossless pictures.
+  /// Format of the lossless tiles. Unspecified: the viewer gets none.
   diaphane::v1::StillFormat stills = diaphane::v1::STILL_FORMAT_UNSPECIFIED;
   std::uint32_t tiles_sent = 0;    ///< lossless tiles of `shown`
   std::uint64_t sent_epoch = 0;    ///< epoch of the newest frame sent

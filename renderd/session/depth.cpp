@@ -60,7 +60,7 @@ Walk walk(const View& scene, const Ray& ray, float most) {
   return walked;
 }
 
-/// Returns a distance in mm along the ray.
+/// Returns the distance in mm along the ray at which half of what it shows has been passed.
 std::optional<float> half_way(const View& scene, const Ray& ray) {
   const auto [slice, steps, clear] = walk(scene, ray, 3.4e38f);
   const float behind = slice.found ? 0.0f : clear;

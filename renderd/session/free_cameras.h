@@ -49,7 +49,7 @@ class FreeCameras {
     std::string session;
     std::uint64_t connection = 0;  ///< its number in that session
   };
-  /// Returns null if this viewer sees the group's picture.
+  /// Returns the camera of a viewer, or null if they see the group's picture.
   const Camera* of(std::uint64_t connection) const;
 
  private:

@@ -47,7 +47,7 @@ class LosslessTiles {
     std::map<Key, std::optional<diaphane::v1::Still>> coded;  // nullopt: being encoded
     bool failed = false;  // a tile could not be encoded, so there will be no lossless picture
   };
-  /// Returns null while the tile is being encoded.
+  /// Returns an encoded tile, or null while it is being encoded.
   const diaphane::v1::Still* get(const Key& key, Effects& effects);
 
   std::optional<Last> last_;

@@ -62,7 +62,7 @@ inline constexpr std::array kRequests{
     RequestKind::kPointer,    RequestKind::kGuestPointers, RequestKind::kSharedTaken,
     RequestKind::kMarks,      RequestKind::kMarkSight,     RequestKind::kRaiseHand,
     RequestKind::kFileMark};
-/// Returns nullopt for a message that is empty or of a newer page.
+/// Returns the kind of a message, or nullopt if it is empty or of a newer page.
 std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message);
 
 /// The current state of a viewer.

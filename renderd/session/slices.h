@@ -51,7 +51,7 @@ class Slices {
                  TimePoint now) const;
 
   std::optional<SliceStacks> stacks_;
-  // kept while a viewer who requested slices is connected
+  // Kept while a viewer who requested slices is connected.
   std::shared_ptr<const HostVolume> voxels_;
   bool loading_ = false;
   std::shared_ptr<const diaphane::v1::Scene> clipped_by_;  // the scene whose clip applies

@@ -327,7 +327,7 @@ v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal) 
 
 Result<Effort> check_effort(const v1::Effort& effort) {
   const double error = effort.stop_error(), scale = effort.moving_scale();
-  // NaN is in no range.
+  // These conditions refuse NaN as well.
   if (!(error >= 0 && error <= 1)) {
     return fail(ErrorCode::kInvalid, "The target error must be between 0 and 1.",
                 "effort.stop_error");
@@ -555,7 +555,7 @@ void began(SessionState& state, std::uint64_t epoch, const ViewRequest& requeste
 Outcome refused(SessionState& state, const ViewRequest& requested, const Error& why) {
   Outcome outcome;
   outcome.problem = problem_of(why, requested.input_seq, false);
-  // If something newer arrived meanwhile, it is tried on its own.
+  // A newer request that arrived meanwhile is tried on its own.
   if (state.requested.version == requested.version && state.shown.scene) {
     state.requested.scene = state.shown.scene;
     state.requested.viewport = state.shown.viewport;

@@ -80,7 +80,7 @@ class RenderClient {
   /// FrameInfo::moving.
   virtual void progressed(const Progress&, bool /*moving*/) {}
   virtual void picture(RenderedPicture picture) = 0;
-  /// Reports how it is rendered, after a picture for which this was requested.
+  /// Reports how pictures are rendered, after a picture for which this was requested.
   virtual void kernel(const KernelReport&) {}
   /// Reports that the session cannot continue. The runner has dropped it.
   virtual void failed(const Error& why) = 0;

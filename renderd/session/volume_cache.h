@@ -50,8 +50,8 @@ class VolumeCache {
   VolumeCache& operator=(const VolumeCache&) = delete;
 
   /// Calls `ready` once: immediately if the volume is loaded, else from a loading thread. A failure
-  /// is reported to all waiting callers and not remembered. kOutOfMemory: all loaded volumes are in
-  /// use, and this one does not fit beside them.
+  /// is reported to all waiting callers and not remembered. Fails with kOutOfMemory if all loaded
+  /// volumes are in use and this one does not fit beside them.
   void get(const VolumeKey& key, Ready ready);
 
   struct Outdated {
