@@ -123,7 +123,7 @@ class Devices final : public CompositeEngine {
                                                   std::uint64_t first_sample, Method method) {
     const auto ours = std::dynamic_pointer_cast<const CompositeVolume>(std::move(volume));
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
-    // Parts of a draft are not merged, so it would show the work of the home device alone.
+    // Parts of a draft are not merged, so a draft would show the work of the home device alone.
     if (method.walk == Walk::kDraft) method.walk = Walk::kSoonest;
     auto own = alone(ours, home, seed, first_sample, method);
     if (!own) return own;
