@@ -89,8 +89,8 @@ struct PartInput {
   bool room = true;             ///< the last part was taken
 };
 /// Returns whether a part is due. The first pair of samples is due at once, and later parts
-/// whenever the samples held are a quarter of those delivered. Deliveries take at most an eighth of
-/// the time. A part is due at the latest after 100 ms.
+/// whenever the samples held are a quarter of those delivered, or after 100 ms. Deliveries take at
+/// most an eighth of the time.
 bool part_due(const PartInput& input);
 /// Returns whether a device may continue while its part has not been taken. It stops after as many
 /// samples again, because no one waits for more.
