@@ -93,7 +93,8 @@ Result<std::unique_ptr<Engine>> engine_of(const Settings& settings, AssistSource
   return make_composite_engine(*std::move(engines), source);
 }
 
-// Without copies, everything works, but more slowly.
+// Opens the node's copies of volumes, or returns null. Without copies, everything works, but
+// slowly.
 std::shared_ptr<volume::NodeCache> copies_of(const Settings& settings) {
   if (settings.copies_dir.empty()) return {};
   auto copies = volume::NodeCache::open({.folder = settings.copies_dir,
@@ -105,15 +106,15 @@ std::shared_ptr<volume::NodeCache> copies_of(const Settings& settings) {
   return {};
 }
 
-// This process can no longer use the device. The scenes of its sessions are already in Redis.
+// Ends the process, which can no longer use the device. Redis already has its sessions' scenes.
 [[noreturn]] void leave_broken_device(const Error& why) {
   log::error("device_lost", {{"message", why.message}});
   std::_Exit(kExitDevice);
 }
 
-// Something hangs, so an orderly shutdown is impossible. Connections and heartbeats end with the
-// process, and its supervisor restarts it. Its sessions are placed again with the scenes that are
-// in Redis.
+// Ends the process because something hangs, which makes an orderly shutdown impossible. Connections
+// and heartbeats end with the process, and its supervisor restarts it. Its sessions are placed
+// again with the scenes that are in Redis.
 [[noreturn]] void leave_hung(const std::string& what) {
   log::error("hung", {{"what", what}});
   std::_Exit(kExitDevice);
@@ -235,7 +236,8 @@ Registry::Options registry_options(const Parts& parts, const std::string& incarn
                 return static_cast<double>(worker.volumes().bytes()) / static_cast<double>(most);
               },
           .error = [&] { return worker.homes().summed_error(); },
-          // A few per second, so that they do not all arrive at other workers at once.
+          // Moves a few sessions per second, so that they do not all arrive at other workers at
+          // once.
           .drain_ordered =
               [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); },
           .lent_seconds = [&] { return worker.assists().lent_seconds(); }};
@@ -323,7 +325,7 @@ void ServingWorker::drain() {
   parts_.admin.set_draining();
   parts_.server.set_not_serving();
   parts_.worker.host().refuse_new();
-  // The scenes first, because the worker that resumes a session needs them.
+  // Saves the scenes first, because the worker that resumes a session needs them.
   registry_.drain(milliseconds(1000));
   parts_.observed.registry = nullptr;
   parts_.observed.worker = nullptr;

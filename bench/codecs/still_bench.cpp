@@ -41,8 +41,8 @@ PictureRgb8 read_ppm(const std::string& path) {
   return picture;
 }
 
-/// Measures `code`, which returns how many bytes it made. Runs once per repetition, because an
-/// encoder's next frame depends on the ones before.
+/// Measures `code`, which returns the number of bytes that it made. Runs once per repetition,
+/// because an encoder's next frame depends on the ones before.
 void row(const std::string& name, const std::function<std::size_t()>& code) {
   benchmark::RegisterBenchmark(name.c_str(),
                                [code](benchmark::State& state) {
@@ -107,7 +107,7 @@ PictureRgb8 difference(const PictureRgb8& a, const PictureRgb8& b, int offset, b
   return out;
 }
 
-/// Encodes each picture as its difference to what the viewer has. Returns the bytes and the
+/// Encodes each picture as its difference from what the viewer has. Returns the bytes and the
 /// viewer's final picture.
 Jpeg difference_chain(const std::vector<PictureRgb8>& pictures, int quality) {
   Jpeg viewer = through_jpeg(pictures.front(), quality);

@@ -42,7 +42,7 @@ Json times_of(int runs, const std::function<void(int)>& work) {
   return {{"median", ms[ms.size() / 2]}, {"smallest", ms.front()}, {"largest", ms.back()}};
 }
 
-/// Balls of dense matter in empty surroundings, with the values of a CT.
+/// Returns balls of dense matter in empty surroundings, with the values of a CT.
 volume::Volume made_volume(std::uint32_t n) {
   volume::Volume v;
   v.header.size = {n, n, n};

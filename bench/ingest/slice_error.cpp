@@ -1,5 +1,5 @@
-// diaphane-slice-error measures how well slices are interpolated: it leaves slices out of scans and
-// compares what is interpolated in their place with them.
+// diaphane-slice-error measures how well slices are interpolated: it leaves slices out of scans,
+// interpolates them, and compares them with the originals.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -52,7 +52,7 @@ volume::Volume every_third(const volume::Volume& all) {
   return kept;
 }
 
-/// Catmull and Rom's spline through four values, between the two in the middle.
+/// Evaluates Catmull and Rom's spline through four values between the two in the middle.
 double cubic(const std::array<double, 4>& v, double t) {
   return v[1] +
          0.5 * t *

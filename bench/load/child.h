@@ -14,7 +14,7 @@ namespace diaphane::api::load {
 /// A child process that ends with this object.
 class Child {
  public:
-  /// Appends the output to `log`. kUnavailable when the program cannot be started.
+  /// Appends the output to `log`. Fails with kUnavailable if the program cannot be started.
   static Result<Child> start(const std::string& program, const std::vector<std::string>& arguments,
                              const std::map<std::string, std::string>& environment,
                              const std::string& log);

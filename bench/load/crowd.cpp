@@ -41,7 +41,7 @@ class Threads {
   std::vector<std::thread> threads_;
 };
 
-// Counts ready sessions from many strands.
+// Counts sessions that are being opened or are ready. Thread-safe, for the strands of the viewers.
 class Openings {
  public:
   void wait_below(std::size_t most, Clock::time_point until) {
@@ -117,7 +117,7 @@ void add(Measurements& all, const Measurements& one) {
   all.pixels += one.pixels;
 }
 
-// The people of one run and what they need.
+// The users of one run and their resources.
 class Crowd {
  public:
   Crowd(const CrowdOptions& options, Placement& placement)
@@ -126,7 +126,7 @@ class Crowd {
   void open(CrowdResult& result);
   void move_and_measure(const std::function<void(bool)>& measured);
   void end();
-  // Only after end(), because it reads without locks.
+  // To be called after end(), because it reads without locks.
   void collect(CrowdResult& result) const;
 
  private:
@@ -153,7 +153,7 @@ void Crowd::open(CrowdResult& result) {
     sessions_.push_back(id);
     people_.push_back(std::make_shared<Person>(io_, options_.viewer, options_.preset));
     if (options_.recording) {
-      // Everyone is at another place of it.
+      // Each user begins at another place of the recording.
       people_.back()->play(options_.recording, i * options_.recording->size() / options_.sessions);
     }
     openings_.begun();

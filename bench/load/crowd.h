@@ -34,12 +34,12 @@ struct CrowdResult {
   std::size_t problems = 0;
   std::vector<double> opening_seconds;
   double seconds = 0;         ///< length of the measurement
-  Measurements measurements;  ///< over all sessions
+  Measurements measurements;  ///< measurements of all sessions
 };
 
 /// Opens all sessions, lets `moving` of them drag at any moment, and measures. `measured` is called
-/// with false at the start and with true at the end of the measurement. kUnavailable when no
-/// session receives a picture.
+/// with false at the start and with true at the end of the measurement. Fails with kUnavailable if
+/// no session receives a picture.
 Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
                               const std::function<void(bool)>& measured);
 

@@ -17,8 +17,8 @@ class Hands {
     std::size_t session = 0;
     double seconds = 0;
   };
-  /// `trace` has at least one session. At least one session rests at any moment, unless there is
-  /// only one.
+  /// Takes a trace with at least one session. At least one session rests at any moment, unless
+  /// there is only one.
   Hands(const render::bench::Trace& trace, std::size_t moving);
 
   std::size_t moving() const { return moving_; }

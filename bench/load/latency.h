@@ -16,7 +16,7 @@ class OpenInputs {
  public:
   void sent(std::uint64_t input_seq, TimePoint at) { open_.push_back({input_seq, at}); }
   struct Shown {
-    std::vector<double> seconds;  ///< from each input to this frame, oldest first
+    std::vector<double> seconds;  ///< time from each input to this frame, oldest first
   };
   /// Handles a frame. Excludes inputs sent before `from`.
   Shown shown(std::uint64_t input_seq, TimePoint at, TimePoint from);

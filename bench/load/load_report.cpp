@@ -21,9 +21,9 @@ Json milliseconds(std::vector<double>& seconds) {
 
 double ratio(double over, double under) { return under > 0 ? over / under : 0; }
 
-// Average times in milliseconds of a frame that answers an input. renderd measures from the arrival
-// of the input to handing the frame to gRPC. The rest of the viewer's latency is transport in both
-// directions: gateway, sockets, and threads of both programs.
+// Returns average times in milliseconds of a frame that answers an input. renderd measures from the
+// arrival of the input to handing the frame to gRPC. The rest of the viewer's latency is transport
+// in both directions: gateway, sockets, and threads of both programs.
 Json where_the_time_goes(const Measurements& measurements, const Usage& before,
                          const Usage& after) {
   const std::string name = "diaphane_renderd_input_to_frame_seconds";

@@ -12,7 +12,7 @@ namespace diaphane::api::load {
 /// and `after` enclose the measurement.
 nlohmann::ordered_json load_report(const CrowdOptions& options, CrowdResult result,
                                    const Usage& before, const Usage& after);
-/// The same report as one line of text under load_heading().
+/// Returns the same report as one line of text under load_heading().
 std::string load_line(const nlohmann::ordered_json& report);
 std::string load_heading();
 

@@ -16,7 +16,7 @@ namespace diaphane::api::load {
 class Search {
  public:
   Search(std::size_t first, std::size_t most) : next_(first), most_(most) {}
-  /// 0 when the search is finished.
+  /// Returns the number of sessions to try next, or 0 when the search is finished.
   std::size_t next() const { return next_; }
   void tried(bool held);
   std::size_t largest_held() const { return held_; }
@@ -30,8 +30,8 @@ class Search {
 struct LoadOptions {
   Stage::Options stage;
   CrowdOptions crowd;
-  double bound_seconds = 0.1;  ///< for p95
-  unsigned repeats = 1;        ///< of the requested run
+  double bound_seconds = 0.1;  ///< latency limit for the 95th percentile
+  unsigned repeats = 1;        ///< number of runs with the requested number of sessions
   bool find = false;           ///< also search for the largest number of sessions within the limit
   std::size_t most_sessions = 1024;
 };

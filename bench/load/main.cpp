@@ -43,7 +43,7 @@ std::vector<v1::Codec> codecs(ConfigReader& in) {
   return {v1::JPEG};
 }
 
-/// People then move as in that recording, in a window of its size.
+/// Reads --recording, so that the viewers move as in it, in a window of its size.
 void read_recording(ConfigReader& in, CrowdOptions& crowd) {
   const std::string path = in.text(
       "recording", "recorded interaction that the viewers play (empty = they turn the scan)", "");
@@ -144,7 +144,7 @@ int soak(ConfigReader& in) {
   return write(soak_run(options, placement), file);
 }
 
-// Each session needs more than two descriptors, and the usual limit of 1024 is too low.
+// Raises the limit of open files: a session needs more than two, and 1024 are usually allowed.
 void raise_descriptors() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;

@@ -36,7 +36,7 @@ v1::Scene turned(const v1::Scene& scene, double degrees) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
   const double along = (k[0] * v[0] + k[1] * v[1] + k[2] * v[2]) * (1 - c);
-  v1::Vec3& eye = *moved.mutable_camera()->mutable_eye();  // Rodrigues
+  v1::Vec3& eye = *moved.mutable_camera()->mutable_eye();  // Rodrigues' rotation formula
   eye.set_x(target.x() + v[0] * c + (k[1] * v[2] - k[2] * v[1]) * s + k[0] * along);
   eye.set_y(target.y() + v[1] * c + (k[2] * v[0] - k[0] * v[2]) * s + k[1] * along);
   eye.set_z(target.z() + v[2] * c + (k[0] * v[1] - k[1] * v[0]) * s + k[2] * along);
@@ -161,8 +161,7 @@ v1::Scene Person::next_scene() {
   return turned(scene_, degrees_);
 }
 
-// A delayed page sends its next input with its next displayed frame instead of all missed ones at
-// once.
+// Skips missed inputs: a delayed page sends its next input with its next displayed frame.
 std::optional<TimePoint> Person::time_after(TimePoint now) {
   if (!recording_) {
     while (next_input_ <= now) next_input_ += kInputInterval;

@@ -22,8 +22,9 @@ struct Measurements {
   /// parts.
   std::vector<double> answer_seconds, render_seconds, encode_seconds;
   std::size_t inputs = 0;
-  std::size_t frames = 0, bytes = 0;                ///< of all frames
-  std::size_t moving_frames = 0, moving_bytes = 0;  ///< of frames during movement
+  std::size_t frames = 0, bytes = 0;                ///< number of all frames, and their bytes
+  std::size_t moving_frames = 0, moving_bytes = 0;  ///< number of frames during movement, and their
+                                                    ///< bytes
   double moving_seconds = 0;
   double pixels = 0;  ///< sum over the moving frames
 };
@@ -33,7 +34,8 @@ struct Measurements {
 class Person final : public ViewerEvents, public std::enable_shared_from_this<Person> {
  public:
   Person(boost::asio::io_context& io, ViewerOptions options, std::string preset);
-  /// Plays the recording again and again, from its input number `first` on. Before enter().
+  /// Plays the recording again and again, from its input number `first` on. To be called before
+  /// enter().
   void play(std::shared_ptr<const Recording> recording, std::size_t first);
 
   /// Opens the stream. `ready` is called once: with true at the first picture, or with false if the
@@ -54,7 +56,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
 
   // Must be read on the viewer's strand, or after everything has stopped.
   const Measurements& measurements() const { return measurements_; }
-  /// Counts inputs without a frame with their age.
+  /// Counts the inputs that no frame has answered, with their ages.
   void give_up(TimePoint now);
   std::optional<double> opening_seconds() const { return opening_; }
   int close_code() const { return code_; }  ///< -1 while the stream is open
@@ -70,7 +72,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
   void input();
   /// Returns the scene of the next input.
   diaphane::v1::Scene next_scene();
-  /// Returns when the next input is due. Nothing follows if the gesture has ended.
+  /// Returns when the next input is due, or nullopt if the gesture has ended.
   std::optional<TimePoint> time_after(TimePoint now);
   void end_drag(TimePoint now);
   bool measured(TimePoint at) const { return at >= from_ && at < until_; }
@@ -79,7 +81,7 @@ class Person final : public ViewerEvents, public std::enable_shared_from_this<Pe
   const ViewerOptions options_;
   const std::string preset_;
   std::shared_ptr<const Recording> recording_;  ///< null: turns around the scan
-  std::size_t recorded_ = 0;                    ///< its next input
+  std::size_t recorded_ = 0;                    ///< index of its next input
   std::unique_ptr<Viewer> viewer_;
   std::function<void(bool)> ready_;
   std::function<void()> done_;

@@ -16,17 +16,18 @@ class Recording {
   /// Pauses longer than this end a gesture.
   static constexpr double kGestureGap = 0.5;  // seconds
 
-  /// kInvalid says what is wrong.
+  /// Parses a recording. Fails with kInvalid, which says what is wrong.
   static Result<Recording> read(std::string_view json);
 
-  std::uint32_t width = 0, height = 0;  ///< of the window, in pixels
+  std::uint32_t width = 0, height = 0;  ///< size of the window in pixels
   std::size_t size() const { return inputs_.size(); }
   diaphane::v1::Scene scene(std::size_t input) const;
-  /// Seconds from this input to the next one of its gesture, or 0 if it is the last one.
+  /// Returns the seconds from this input to the next one of its gesture, or 0 if it is the last
+  /// one.
   double gap_after(std::size_t input) const;
 
  private:
-  /// A camera before a scene that many inputs share.
+  /// One input: a camera and the index of the scene, which many inputs share.
   struct Input {
     double seconds = 0;
     std::size_t scene = 0;

@@ -12,7 +12,7 @@ struct Act {
     kLook,
     kDrag,
     kHide,    ///< shows another tab for this long
-    kResize,  ///< of the window
+    kResize,  ///< resizes the window
     kReload,  ///< closes the page properly and reopens the session at once
     kCut      ///< loses the connection and reconnects after this long
   } kind = Kind::kLook;

@@ -13,7 +13,7 @@ struct SoakOptions {
   std::size_t people = 50;
   double seconds = 60;
   double act_seconds = 4;
-  double scale = 1;  ///< of the viewports
+  double scale = 1;  ///< factor for the sides of the viewports
   std::string data_set;
   unsigned threads = 2;
   std::uint64_t seed = 1;

@@ -35,7 +35,7 @@ class Stage {
     std::string log_dir;                       ///< empty: the temporary directory
     std::chrono::seconds start{60};            ///< time limit for all programs to become ready
   };
-  /// kUnavailable, with the end of the log, when a program does not become ready.
+  /// Fails with kUnavailable and the end of the log if a program does not become ready.
   static Result<std::unique_ptr<Stage>> set(Options options);
   ~Stage();
 
@@ -43,7 +43,7 @@ class Stage {
   std::uint16_t stream_port() const { return stream_port_; }
   const std::string& origin() const { return origin_; }
   const std::string& volume_id() const { return volume_id_; }
-  /// Whether all programs are still running.
+  /// Returns whether all programs are still running.
   bool stands();
   Usage usage() const;
 

@@ -159,7 +159,7 @@ struct Viewer::Impl : std::enable_shared_from_this<Viewer::Impl> {
     leaving = true;
     beast::error_code ignored;
     auto& tcp = beast::get_lowest_layer(socket).socket();
-    // A reset, as opposed to the closing handshake of a page.
+    // Sends a reset instead of the closing handshake of a page.
     tcp.set_option(asio::socket_base::linger(true, 0), ignored);
     tcp.close(ignored);
   }

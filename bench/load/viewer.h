@@ -18,32 +18,32 @@ namespace diaphane::api::load {
 
 /// A received frame without the picture's bytes.
 struct ReceivedFrame {
-  TimePoint at;  ///< when it was complete
+  TimePoint at;  ///< time at which it was complete
   std::uint64_t input_seq = 0;
   std::uint64_t epoch = 0;
   std::uint64_t iteration = 0;
   double render_seconds = 0;  ///< since the start of the epoch
   double encode_seconds = 0;
-  std::size_t bytes = 0;  ///< of the whole message
+  std::size_t bytes = 0;  ///< size of the whole message
   std::uint32_t width = 0, height = 0;
 };
 
-/// Called on the viewer's strand.
+/// Receives the events of a viewer on the viewer's strand.
 class ViewerEvents {
  public:
   virtual ~ViewerEvents() = default;
   virtual void on_config(const diaphane::v1::Config& config) = 0;
   virtual void on_frame(const ReceivedFrame& frame) = 0;
-  /// Called for all other messages.
+  /// Called for each message other than Config and Frame.
   virtual void on_message(const diaphane::v1::ServerMessage&) {}
-  /// The last event. `code` is the WebSocket close code, 1006 for a lost connection, or 0 if the
-  /// stream never began.
+  /// Called as the last event. `code` is the WebSocket close code, 1006 for a lost connection, or 0
+  /// if the stream never began.
   virtual void on_closed(int code) = 0;
 };
 
 struct ViewerOptions {
   std::string host = "127.0.0.1";
-  std::uint16_t port = 0;  ///< of the gateway
+  std::uint16_t port = 0;  ///< port of the gateway
   std::string origin;      ///< origin of the page that the gateway expects
   std::uint32_t width = 1280, height = 720;
   std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};
@@ -66,7 +66,7 @@ class Viewer {
   /// Drops the connection without a handshake, like an unplugged cable.
   void cut();
 
-  /// Run work on its strand, now or later.
+  /// Run `work` on the viewer's strand, at once or after `time`.
   void post(std::function<void()> work);
   void after(std::chrono::nanoseconds time, std::function<void()> work);
 

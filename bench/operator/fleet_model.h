@@ -16,16 +16,15 @@
 // A simulated fleet of thousands of devices in steps of one second. The plan places its workers,
 // and one of the placement policies places its sessions. One of them also lends unused device time.
 // A session stays for an exponential time and alternates between looking and resting. While it
-// looks, it wants a share of its device, drawn from a log-normal distribution. What an overloaded
-// device cannot deliver arrives late. It counts as lost to imbalance as far as other devices are
-// idle.
+// looks, it wants a share of its device, drawn from a log-normal distribution. Work that an
+// overloaded device cannot do in time counts as lost to imbalance as far as other devices are idle.
 
 namespace diaphane::fleet::bench {
 
 enum class Way {
-  kLoad,  ///< as in place.lua: of 64 random devices, the one with the smallest expected load
-  kLoadAndLending,  ///< as kLoad, and overloaded devices borrow from peers
-  kRoundRobin,      ///< in turn, skipping full devices
+  kLoad,  ///< the device with the smallest expected load of 64 random ones, as in place.lua
+  kLoadAndLending,  ///< kLoad, and overloaded devices borrow from peers
+  kRoundRobin,      ///< the next device in turn that is not full
   kLeastCount       ///< fewest sessions
 };
 const char* name_of(Way way);
@@ -34,15 +33,15 @@ struct Setting {
   int sessions = 100'000;
   int devices = 8'000;  ///< eight per node
   int slots = 16;
-  int ramp_seconds = 120;  ///< from no session to all of them
+  int ramp_seconds = 120;  ///< time from no session to all of them
   int seconds = 300;       ///< measured time after the ramp
   double stay_seconds = 1200;
   double looking_seconds = 10, resting_seconds = 20;
   double wanted = 0.7;              ///< share of all devices that all sessions together want
   double spread = 1;                ///< standard deviation of the logarithm of a session's share
-  double crashes_per_second = 0.2;  ///< of pods
+  double crashes_per_second = 0.2;  ///< crashed pods per second
   double nodes_lost_per_second = 0.02;  ///< lost nodes return after one minute
-  double cordons_per_second = 0.02;     ///< for two minutes each
+  double cordons_per_second = 0.02;     ///< cordoned nodes per second, for two minutes each
   std::uint64_t seed = 1;
   LendingRules lending;
   LendingCosts lending_costs;
@@ -53,7 +52,7 @@ struct Figures {
   /// Demand on devices, including work for each other: standard deviation divided by mean.
   /// spread_by_node uses the mean of the eight devices of each node.
   double spread = 0, spread_by_node = 0;
-  double spread_of_busy = 0;  ///< as `spread`, with overload counted as full load
+  double spread_of_busy = 0;  ///< `spread` with overload counted as full load
   /// Spread of the sum of the shares of a device's sessions, whether they look or rest. Placement
   /// without migration can only even out this part.
   double spread_of_stays = 0, spread_of_stays_by_node = 0;
@@ -63,7 +62,7 @@ struct Figures {
   double refused = 0;  ///< share of placements
   long placings = 0;
   long moves = 0;           ///< sessions placed again because their worker was lost or drained
-  long moved_alive = 0;     ///< of these, because of a drain
+  long moved_alive = 0;     ///< number of `moves` because of a drain
   long over_committed = 0;  ///< seconds in which a node had more workers than GPUs
   std::vector<double> plan_seconds;  ///< per reconcile
 };
@@ -82,7 +81,7 @@ class FleetModel {
     bool looks = true;
     Seconds turns = 0, ends = 0;
   };
-  /// One per ordinal that a worker's name has had.
+  /// A device with the state of its worker. There is one per ordinal in the workers' names.
   struct Device {
     std::string name;
     bool ready = false, draining = false;
@@ -123,7 +122,7 @@ class FleetModel {
   Way way_;
   ClusterState world_;
   Random random_;
-  Random faults_;  ///< the same sequence for every policy
+  Random faults_;  ///< draws of faults, the same for every policy
   std::mt19937_64 normal_;
   std::vector<Session> sessions_;
   std::vector<Device> devices_;

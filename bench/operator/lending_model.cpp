@@ -31,7 +31,7 @@ void LendingModel::decide(const std::vector<Device>& devices) {
       lendings_[i] = {};
       continue;
     }
-    // A device that is sufficient and has no helpers asks none.
+    // A device whose own time suffices and that has no helpers asks none.
     if (devices[i].wants < rules_.borrows && lendings_[i].helpers.empty()) continue;
     input.asked = devices[i].wants;
     input.helped = helped_[i];

@@ -29,7 +29,7 @@ struct LendingCosts {
 class LendingModel {
  public:
   struct Device {
-    bool there = false;  ///< running and taking part
+    bool there = false;  ///< running and not draining
     bool draining = false;
     double wants = 0;  ///< demand of its own sessions
   };
@@ -41,7 +41,7 @@ class LendingModel {
   /// Returns the load of a device after lending: its own sessions, less what others render for
   /// them, plus its peers' sessions and the cost of helping.
   double load(std::size_t device) const { return loads_[device]; }
-  double lent() const { return lent_; }  ///< over all devices, in devices
+  double lent() const { return lent_; }  ///< sum over all devices, as a number of devices
   std::size_t helpers() const { return helpers_; }
   std::size_t begun() const { return begun_; }  ///< helpers engaged in this step
 
@@ -59,7 +59,7 @@ class LendingModel {
   Random random_;
   std::vector<Lending> lendings_;
   std::vector<Said> said_;
-  std::vector<double> helped_;  ///< in the previous step
+  std::vector<double> helped_;  ///< work that helpers did in the previous step
   std::vector<double> loads_;
   double lent_ = 0;
   std::size_t helpers_ = 0, begun_ = 0;

@@ -19,7 +19,7 @@ from vtk.util.numpy_support import numpy_to_vtk
 #: The two materials of the look "bone" as one: Hounsfield units, colour and opacity, with 2.5 per mm for an opacity of 1.
 CURVE = ((140, (0.90, 0.79, 0.60), 0.0), (260, (0.90, 0.79, 0.60), 0.35), (500, (0.92, 0.84, 0.70), 0.9), (900, (0.95, 0.90, 0.80), 1.0))
 EXTINCTION_PER_MM = 2.5
-#: In the patient's axes (left, posterior, superior): where the camera is, seen from the middle.
+#: The direction from the middle to the camera, in the patient's axes (left, posterior, superior).
 TOWARDS_EYE = np.array([0.5, -1, 0.2])
 
 

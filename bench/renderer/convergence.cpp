@@ -26,9 +26,9 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(squared / static_cast<double>(values.size()));
 }
 
-/// On CUDA, also waits until the kernel for this scene has been compiled. Until then, a general
-/// kernel is used; the compiled one is used from the next picture. If kernels are chosen in another
-/// way, none is compiled, and the wait ends after 15 s.
+/// Renders for `seconds`. On CUDA, also waits until the kernel for this scene has been compiled.
+/// Until then, a general kernel is used; the compiled one is used from the next picture. If kernels
+/// are chosen in another way, none is compiled, and the wait ends after 15 s.
 Result<void> warm_up(ProgressiveRenderer& renderer, const Subject& subject, double seconds) {
   constexpr double kLongestCompilation = 15;
   const bool compiles = subject.engine->info().engine == "cuda" && seconds > 0;

@@ -13,7 +13,7 @@
 
 namespace diaphane::render::bench {
 
-/// One number of samples. Each repetition has its own seed.
+/// The results for one number of samples. Each repetition has its own seed.
 struct CurvePoint {
   std::uint32_t samples = 0;
   double milliseconds = 0;         ///< median wall-clock time of render()
@@ -25,7 +25,7 @@ struct CurvePoint {
   std::uint64_t non_finite = 0;  ///< non-finite values in the pictures
 };
 
-/// Where a curve crosses an error, with straight lines between its points in log-log space.
+/// The point where a curve crosses an error, with straight lines between points in log-log space.
 struct Crossing {
   double samples = 0;
   double milliseconds = 0;

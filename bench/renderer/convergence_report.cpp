@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 const char* points_of(Method method) {
   return method.low_discrepancy ? "low-discrepancy" : "independent";
 }
-/// JSON has no infinity or NaN.
+/// Converts to JSON, which has no infinity or NaN.
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 Json number(std::optional<double> x) { return x ? number(*x) : Json(nullptr); }
 

@@ -13,7 +13,7 @@ struct ReportHead {
   unsigned devices = 1;
   std::uint32_t repeats = 0;
   double target = 0.05;  ///< the error for which times are given
-  /// Samples; with fewer, clipping and sparse contents bend the line.
+  /// Minimum samples of the slope; with fewer, clipping and sparse contents bend the line.
   std::uint32_t slope_from = 32;
 };
 
@@ -28,9 +28,9 @@ const char* word_of(Crossing::How how);
 std::string name_of(Method method);
 
 std::string report_json(const ReportHead& head, const Convergence& result);
-/// One line per point, with a heading.
+/// Returns one line per point, with a heading.
 std::string report_csv(const Convergence& result);
-/// A report for people.
+/// Returns a report for people.
 std::string report_text(const ReportHead& head, const Convergence& result);
 
 }  // namespace diaphane::render::bench

@@ -31,7 +31,7 @@ Result<Timing> timed(std::uint32_t repeats, const Call& call) {
   return Timing{median_of(runs), deviation_of(runs)};
 }
 
-/// Renders `samples` from an empty film.
+/// Renders `samples` from an empty film. Returns the milliseconds.
 Result<double> shoot(ProgressiveRenderer& renderer, const diaphane::v1::Scene& scene, Canvas canvas,
                      std::uint32_t samples) {
   DIAPHANE_TRY(renderer.set_scene(scene, canvas));

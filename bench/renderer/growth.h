@@ -44,7 +44,7 @@ struct GrowthRow {
   double in_a_row = 0;                ///< ms per pass in the last of `points`
   std::vector<CurvePoint> points;     ///< 2, 4, 8 ... samples, with only estimate and milliseconds
   std::optional<Crossing> to_target;  ///< by the estimate; kFirst: two samples are already below
-  /// As reported by the engine.
+  /// Memory that the engine reports.
   std::uint64_t volume_bytes = 0, acceleration_bytes = 0, film_bytes = 0;
 };
 

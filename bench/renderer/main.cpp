@@ -146,7 +146,7 @@ int run(Options& options) {
   return all ? 0 : kFailed;
 }
 
-/// Returns 1 if a case fails.
+/// Runs the stiff cases and prints their results. Returns 1 if a case fails.
 int run_stability(Options& options) {
   auto engine = engine_of(options);
   if (!engine) return complain(engine.error());

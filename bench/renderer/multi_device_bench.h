@@ -28,9 +28,9 @@ struct ErrorRow {
   std::uint32_t passes = 0;
   unsigned devices = 0;
   bool low_discrepancy = false;
-  double rmse = 0;      ///< of the displayed picture, against the reference
+  double rmse = 0;      ///< error of the displayed picture against the reference
   double off = 0;       ///< relative deviation of the error ratio from 1 / sqrt(devices)
-  double estimate = 0;  ///< as estimated by the compositor
+  double estimate = 0;  ///< error that the compositor estimates
 };
 struct ErrorOptions {
   std::vector<unsigned> devices;      ///< ascending, starting with 1
@@ -63,9 +63,9 @@ struct TimeOptions {
   std::vector<Canvas> canvases;
   std::vector<double> targets;
   std::uint32_t repeats = 7;
-  bool smoothed = false;  ///< with guides for the denoiser, as in sessions
+  bool smoothed = false;  ///< whether guides for the denoiser are rendered, as in sessions
   double warm_up = 1;     ///< seconds
-  double longest = 60;    ///< for one picture
+  double longest = 60;    ///< time limit in seconds for one picture
   std::function<void(const TimeRow&)> each;
 };
 /// Measures one device and all of `devices`, whose copies of the volume are released first.

@@ -151,7 +151,7 @@ class MultiProcessRenderer final : public FrameRenderer {
     return batch;
   }
 
-  /// The pictures are independent, so squared errors add up, weighted by sample count.
+  /// Combines independent pictures, whose squared errors add up, weighted by sample count.
   Progress progress() const override {
     Progress progress;
     progress.seconds = seconds_;

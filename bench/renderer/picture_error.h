@@ -16,7 +16,7 @@ struct Reference {
   std::vector<double> mean;            ///< radiance, 3 values per pixel
   std::vector<std::uint8_t> contents;  ///< 1 for pixels whose rays met contents, which count
   double samples = 0;                  ///< per pixel
-  double error = 0;                    ///< its estimated error
+  double error = 0;                    ///< its own estimated error
   double seconds = 0;                  ///< time that it took
   double white = 1;                    ///< 99th percentile over the pixels that count
   bool filmic = false;                 ///< the scene's display curve, FILMIC or LINEAR

@@ -15,7 +15,7 @@ struct Head {
   std::uint64_t bytes;
 };
 
-/// Returns an error, without a signal, if the other end has closed the socket.
+/// Returns false, without a signal, if the other end has closed the socket.
 bool send_all(int descriptor, const char* data, std::size_t bytes) {
   while (bytes > 0) {
     const ssize_t n = ::send(descriptor, data, bytes, MSG_NOSIGNAL);

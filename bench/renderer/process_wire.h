@@ -41,7 +41,7 @@ class ProcessWire {
   ProcessWire& operator=(ProcessWire&&) = delete;
 
   bool send(ProcessMessageKind word, std::string_view payload) const;
-  /// Returns nullopt when the other end has closed the connection.
+  /// Receives a message, or nullopt when the other end has closed the connection.
   std::optional<ProcessMessage> receive() const;
 
  private:

@@ -68,7 +68,7 @@ bool read_cached(const std::filesystem::path& path, Reference& reference) {
   return true;
 }
 
-/// Ignores errors, because a missing cache costs only time in the next run.
+/// Caches a reference. Ignores errors, because a missing cache costs only time in the next run.
 void write_cached(const std::filesystem::path& path, const Reference& reference) {
   std::error_code ignored;
   std::filesystem::create_directories(path.parent_path(), ignored);

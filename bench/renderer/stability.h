@@ -19,7 +19,7 @@ struct StabilityRow {
   double samples = 0;            ///< rays through all pixels, over all pictures of the case
   std::uint64_t non_finite = 0;  ///< non-finite values in pictures, and dropped samples
   double deviation = 0;          ///< the largest of the case
-  std::string unit;  ///< of the deviation: "sigma", "relative", "absolute", "ms", "fields"
+  std::string unit;  ///< unit of the deviation: "sigma", "relative", "absolute", "ms", "fields"
   double limit = 0;  ///< limit of the deviation
   bool passed = false;
   std::string note;

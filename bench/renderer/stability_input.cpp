@@ -18,7 +18,7 @@ using google::protobuf::Message;
 
 constexpr Canvas kCanvas{16, 16};
 
-/// A scene that uses every feature but light.
+/// Returns a scene that uses every feature but light.
 diaphane::v1::Scene full_scene() {
   diaphane::v1::Scene scene = test::skull_scene();
   auto* channel = scene.mutable_transfer_function()->mutable_channels(0);
@@ -50,7 +50,7 @@ diaphane::v1::Scene full_scene() {
   return scene;
 }
 
-/// One light of each shape.
+/// Returns one light of each shape.
 std::vector<diaphane::v1::Light> lights_of_all_shapes() {
   std::vector<diaphane::v1::Light> lights(5);
   for (auto& light : lights) light.set_intensity(2);
@@ -143,7 +143,7 @@ void offer(FrameRenderer& renderer, diaphane::v1::Scene scene, Tally& tally, Sta
         if (tally.accepted++ == 0) tally.first_accepted = field;
         return;
       }
-      // The path of the field itself, or of the message that contains it.
+      // The error must name the field itself or a message that contains it.
       const std::string& named = set.error().field;
       if (named.empty() || field.compare(0, named.size(), named) != 0) {
         broken(field + " was refused as '" + named + "'");

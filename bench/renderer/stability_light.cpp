@@ -14,7 +14,7 @@ std::uint32_t samples_of(const StabilityOptions& options, std::uint32_t full) {
   return std::max(options.quick ? full / 10 : full, 2u);
 }
 
-/// Matter without absorption in a sky of 1: every pixel is 1, whatever the scattering.
+/// Renders matter without absorption in a sky of 1: every pixel is 1, whatever the scattering.
 void furnace(Engine& engine, const StabilityOptions& options, const volume::Volume& volume,
              double g, diaphane::v1::Shading::Mode mode, StabilityRow& row) {
   diaphane::v1::Scene scene;
@@ -45,7 +45,8 @@ struct LitBox {
     test::add_lamp(scene, 0, 0, z, side, radiance);
     return scene.mutable_lights(scene.lights_size() - 1);
   }
-  /// Single scattering of an intensity of 1 (radiance times area) at height z on the axis.
+  /// Returns the single scattering of an intensity of 1 (radiance times area) at height z on the
+  /// axis.
   static double from_point(double z) {
     constexpr int kSteps = 100'000;
     double sum = 0;
@@ -66,7 +67,8 @@ void tiny_lamp(Engine& engine, const StabilityOptions& options, double side, Sta
           LitBox::from_point(20), row);
 }
 
-/// With the same random numbers, the pictures differ only by the factor if nothing is clamped.
+/// Compares two radiances. With the same random numbers, the pictures differ only by the factor if
+/// nothing is clamped.
 void brighter(Engine& engine, const StabilityOptions& options, bool near, StabilityRow& row) {
   ImageStats stats[2];
   for (int i = 0; i < 2; ++i) {
@@ -87,8 +89,8 @@ void brighter(Engine& engine, const StabilityOptions& options, bool near, Stabil
   if (stats[0].mean <= 0) row.passed = false;
 }
 
-/// Lights at the camera that are invisible to it: the picture is the same as from 20 mm further
-/// away.
+/// Checks that a light at the camera is invisible to it: the picture is the same as from 20 mm
+/// further away.
 void camera_in_light(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   ImageStats stats[2];
   for (int i = 0; i < 2; ++i) {
@@ -128,7 +130,7 @@ void black_light(Engine& engine, const StabilityOptions& options, StabilityRow& 
   note_deviation(std::max(stats.largest, -stats.smallest), 0, "absolute", row);
 }
 
-/// A black light beside a bright one changes nothing.
+/// Checks that a black light beside a bright one changes nothing.
 void black_beside_bright(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   LitBox box;
   box.lamp(20, 1e-3, 0);
@@ -137,8 +139,8 @@ void black_beside_bright(Engine& engine, const StabilityOptions& options, Stabil
           LitBox::from_point(20), row);
 }
 
-/// Lamps that touch the matter or lie in it, where 1 / distance^2 is unbounded. The picture must be
-/// finite and positive.
+/// Checks lamps that touch the matter or lie in it, where 1 / distance^2 is unbounded. The picture
+/// must be finite and positive.
 void lamp_inside(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   for (const double z : {8.0, 7.999, 1e-3, 0.0}) {
     for (const double side : {1e-5, 1.0, 100.0}) {
@@ -152,7 +154,7 @@ void lamp_inside(Engine& engine, const StabilityOptions& options, StabilityRow& 
   note_deviation(static_cast<double>(row.non_finite), 0, "absolute", row);
 }
 
-/// The sampler at the limits of its range.
+/// Checks the sampler at the limits of its range.
 void unit_ends(Engine&, const StabilityOptions&, StabilityRow& row) {
   std::uint64_t bad = 0;
   const float ends[] = {0.0f, 0x1p-33f, 0.5f, 0x1.fffffep-1f, 1.0f};

@@ -13,8 +13,8 @@ std::uint32_t samples_of(const StabilityOptions& options, std::uint32_t full) {
   return std::max(options.quick ? full / 10 : full, 2u);
 }
 
-/// A box of one value that a beam crosses off its centre, in a direction that is parallel to no
-/// axis.
+/// Sends a beam through a box of one value, off its centre and in a direction that is parallel to
+/// no axis.
 void through_a_box(Engine& engine, const StabilityOptions& options, double extinction, double depth,
                    std::uint32_t samples, StabilityRow& row) {
   constexpr double kSmallestVoxel = 1e-6;  // mm, the smallest that the renderer accepts
@@ -29,8 +29,8 @@ void through_a_box(Engine& engine, const StabilityOptions& options, double extin
           std::exp(-extinction * length), row);
 }
 
-/// Columns of the densest matter in matter of a millionth of its density, seen between the
-/// columns.
+/// Sends a beam between columns of the densest matter, through matter of a millionth of its
+/// density.
 void between_spikes(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   const volume::Volume v =
       test::make_volume({48, 48, 48}, {1, 1, 1}, [](double x, double y, double) {
@@ -72,8 +72,8 @@ double value_at(const volume::Volume& v, Double3 p) {
   return sum;
 }
 
-/// Thin spikes in the transfer function and in the volume, with the optical depth by the midpoint
-/// rule in double precision.
+/// Sends beams through thin spikes in the transfer function and in the volume. The expected optical
+/// depth is computed by the midpoint rule in double precision.
 void through_random_spikes(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   Random random(77, 1, 2);
   const volume::Volume v =
@@ -252,7 +252,7 @@ std::vector<StabilityCase> ray_cases() {
     }
   }
   inside.emplace_back(Double3{0.3, 0.2, -0.1}, Double3{5, 4, 7});
-  // Exactly on voxel borders, cell borders and their intersections.
+  // Rays exactly on voxel borders, cell borders and their intersections.
   Rays borders = {{{0, 0, 30}, {0, 0, 0}}, {{0, 4, 30}, {0, 4, 0}}, {{30, -4, 4}, {0, -4, 4}}};
   const Rays corners = {{{30, 30, 30}, {0, 0, 0}},
                         {{-30, 30, -30}, {0, 0, 0}},

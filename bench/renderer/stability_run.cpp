@@ -10,7 +10,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A sparse signal: one sample in a thousand is 1. An fp32 running mean would be 2.4% off.
+/// Renders a sparse signal: one sample in 1000 is 1. An fp32 running mean would be 2.4% off.
 void many_samples(Engine& engine, const StabilityOptions& options, StabilityRow& row) {
   const volume::Volume v = test::constant_volume(8, 100);
   diaphane::v1::Scene scene = beam({20, 15, 10}, {0, 0, 0}, 1e-3);
@@ -51,8 +51,8 @@ double stop_takes(ProgressiveRenderer& renderer, double after_seconds, std::uint
              : std::chrono::duration<double, std::milli>(end - asked).count();
 }
 
-/// Paths of a thousand collisions in dense matter on a large canvas would take minutes per sample
-/// in a single launch. The limit is generous, because the machine may be busy.
+/// Stops paths of a thousand collisions in dense matter on a large canvas, which would take minutes
+/// per sample in a single launch. The limit is generous, because the machine may be busy.
 void stopped(Engine& engine, const StabilityOptions&, StabilityRow& row) {
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(1e4);

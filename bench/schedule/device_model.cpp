@@ -13,7 +13,7 @@ namespace {
 
 double pixels(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
 
-/// As measured by `schedule --real --costs-out` with the exact walk.
+/// Returns the costs that `schedule --real --costs-out` measured with the exact walk.
 DeviceModel h200() {
   DeviceModel model;
   model.name = "h200";

@@ -9,7 +9,7 @@
 namespace diaphane::render::bench {
 
 struct SceneCost {
-  double seconds_per_pixel = 0;  ///< for one sample on a fully used device
+  double seconds_per_pixel = 0;  ///< time of one sample on a fully used device
   double noise = 0;              ///< error of a picture with one sample: e(n) = noise / sqrt(n)
 };
 
@@ -19,12 +19,13 @@ struct DeviceModel {
   double parallel = 0;         ///< as LedgerRules::device_parallel
   bool queues = false;         ///< as EngineInfo::queues
   double quantum_seconds = 0;  ///< overhead of a quantum for launching and waiting
-  double scene_seconds = 0;    ///< for a new epoch: tables and a cleared film
-  double picture_seconds = 0;  ///< for a displayed picture: tone mapping, smoothing, reading back
+  double scene_seconds = 0;    ///< time of a new epoch: tables and a cleared film
+  double picture_seconds = 0;  ///< time of a displayed picture: tone mapping, smoothing, reading
+                               ///< back
   double picture_seconds_per_pixel = 0;  ///< further time per pixel of a displayed picture
   /// Share of a picture's time on the device rather than in transfer.
   double picture_device_share = 0.45;
-  double look_seconds = 0;  ///< for the runner's check of one session before each round
+  double look_seconds = 0;  ///< time of the runner's check of one session before each round
   std::map<std::string, SceneCost> scenes;
 
   SceneCost scene(const std::string& name) const;

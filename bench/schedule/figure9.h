@@ -17,7 +17,7 @@ struct Situation {
     std::uint64_t iteration = 0;  ///< number of the computed iteration
   };
   std::vector<Turn> turns;       ///< fifteen, as in the figure
-  std::vector<double> shares;    ///< of the turns, over many such snapshots
+  std::vector<double> shares;    ///< each node's share of the turns over many such snapshots
   std::vector<double> expected;  ///< proportional to 1 / sqrt(n) at the start of the snapshot
 };
 

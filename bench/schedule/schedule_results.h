@@ -30,7 +30,7 @@ struct DecisionTime {
   std::vector<double> seconds;  ///< mean of each repetition
 };
 
-/// A device's output for resting sessions, relative to its output for one alone with long quanta.
+/// What a device loses with several resting sessions, compared with one alone with long quanta.
 struct SharingRow {
   std::size_t sessions = 0;
   std::vector<double> lost;  ///< share, per repetition
@@ -39,7 +39,7 @@ struct SharingRow {
 struct ScheduleReport {
   std::string how;  ///< "simulated" or "real"
   std::string device;
-  double seconds = 0;  ///< of a trace
+  double seconds = 0;  ///< length of a trace
   std::vector<ScheduleRow> rows;
   std::vector<FleetRow> fleet;
   std::vector<SharingRow> sharing;

@@ -16,24 +16,25 @@ class SessionScore {
   /// `alone`: seconds from an input to a good picture on a device without other sessions.
   explicit SessionScore(double alone) : alone_(alone) {}
 
-  /// `last`: a pause follows this input.
+  /// Records an input. `last`: a pause follows it.
   void input(double at, bool last);
-  /// Rendering began on the device, so queueing is over.
+  /// Records that rendering began on the device, so queueing is over.
   void began(double at);
-  /// A picture of the newest input that had been `began` was shown.
+  /// Records that a picture of the newest input whose rendering had begun was shown.
   void frame(double at, double error);
-  /// The viewer looks away, returns (and sees the current picture), or leaves.
+  /// Records that the viewer stopped looking at the picture for a while, or left for good
+  /// (`ended`).
   void hidden(double at);
   void ended(double at);
 
-  /// Time from the last input of a gesture to a good picture. If the picture became irrelevant
-  /// before, a lower bound.
+  /// Time from the last input of a gesture to a good picture. It is a lower bound if the picture
+  /// became irrelevant before.
   struct ToGood {
     double seconds = 0;
     bool reached = false;
   };
   const std::vector<ToGood>& to_good() const { return to_good_; }
-  /// Time to each first frame, from the oldest input that it answers.
+  /// Returns the time to each first frame, from the oldest input that it answers.
   const std::vector<double>& to_first_frame() const { return to_first_; }
   const std::vector<double>& queueing() const { return queueing_; }
   /// Returns the speed relative to a device without other sessions, at most 1. Returns nullopt if

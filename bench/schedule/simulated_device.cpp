@@ -125,7 +125,7 @@ bool SimulatedDevice::due(Session& session) const {
   return input && should_emit(*input);
 }
 
-// As in Runner::look and Runner::step.
+// Corresponds to Runner::refresh_views and Runner::step.
 void SimulatedDevice::fill() {
   for (bool begun = true; begun;) {
     begun = false;
@@ -232,7 +232,7 @@ void SimulatedDevice::rendered(Turn& turn) {
                   time_point(now_));
 }
 
-// `rate`: speed of the work on the device.
+// Lets `seconds` pass. `rate`: speed of the work on the device.
 void SimulatedDevice::pass(double seconds, double rate) {
   using Phase = Turn::Phase;
   const auto any = [this](Phase phase) {

@@ -8,7 +8,7 @@
 namespace diaphane::render::bench {
 namespace {
 
-/// SplitMix64, because the standard's distributions differ between libraries.
+/// Random numbers by SplitMix64, because the standard's distributions differ between libraries.
 class Draws {
  public:
   explicit Draws(std::uint64_t seed) : state_(seed) {}

@@ -10,8 +10,8 @@
 
 namespace diaphane::render::bench {
 
-/// What users did: when they arrived, dragged, looked away and left. In seconds from the start of
-/// the trace.
+/// A period in seconds from the start of a trace. A trace records when users arrived, dragged,
+/// looked away and left.
 struct Span {
   double begin = 0;
   double end = 0;
@@ -38,30 +38,30 @@ inline constexpr const char* kTraceKinds[] = {"interactive", "mixed", "idle"};
 inline constexpr const char* kTraceScenes[] = {"cranium", "surface", "light-many"};
 inline constexpr double kInputInterval = 1.0 / 60;
 
-/// A user drags, looks, and drags again, for log-normal durations whose medians depend on the user:
-/// busy: drags 1.5 s, looks 1 s. occasional: 1 s and 5 s. idle: 0.5 s and 30 s, and looks away for
-/// half of the pauses above 4 s.
-/// `interactive` has only busy users. `mixed` has a quarter busy, half occasional and a quarter
-/// idle ones. `idle` has an eighth occasional ones, and the rest are idle. All arrive within the
-/// first tenth of the trace, and a twentieth leave before its end. Viewports: half 512 x 512, a
-/// quarter 256 x 256, a quarter 1024 x 768. Scenes: half the first, a quarter each of the others.
-/// Everything derives from `seed` with the project's own generator, so that a trace is the same on
-/// every platform.
+/// Draws a trace. A user drags, looks, and drags again, for log-normal durations whose medians
+/// depend on the user: busy users drag for 1.5 s and look for 1 s, occasional ones 1 s and 5 s, and
+/// idle ones 0.5 s and 30 s. Idle users look away for half of the pauses above 4 s. `interactive`
+/// has only busy users. `mixed` has a quarter busy, half occasional and a quarter idle ones. `idle`
+/// has an eighth occasional ones, and the rest are idle. All arrive within the first tenth of the
+/// trace, and a twentieth leave before its end. Half of the viewports have 512 x 512 pixels, a
+/// quarter 256 x 256 and a quarter 1024 x 768. Half of the sessions show the first scene, and a
+/// quarter each of the others. Everything derives from `seed` with the project's own generator, so
+/// that a trace is the same on every platform.
 Trace make_trace(std::string_view kind, std::size_t sessions, double seconds, std::uint64_t seed);
 
 struct TraceEvent {
   double at = 0;
   enum class Kind { kArrive, kInput, kHide, kShow, kLeave } kind = Kind::kInput;
   std::size_t session = 0;
-  /// Of an input: the last of its gesture, after which the user looks until the next event. The
-  /// arrival counts as one.
+  /// Whether an input is the last of its gesture, after which the user looks until the next event.
+  /// The arrival counts as one.
   bool last = false;
 };
 /// Returns the events in order of time.
 std::vector<TraceEvent> events_of(const Trace& trace);
 
 std::string trace_json(const Trace& trace);
-/// Returns kInvalid with the reason.
+/// Parses a trace. Fails with kInvalid and the reason.
 Result<Trace> trace_of_json(const std::string& text);
 
 }  // namespace diaphane::render::bench

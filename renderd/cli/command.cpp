@@ -24,7 +24,7 @@
 namespace diaphane::render::cli {
 namespace {
 
-/// A larger file is not a scene file. Textures are included in it.
+/// Maximum size of a scene file, which includes its textures.
 constexpr std::streamsize kLargestScene = 64 << 20;
 /// Seconds between two progress lines.
 constexpr double kShowEvery = 0.2;
@@ -118,8 +118,8 @@ struct Ending {
   ErrorCurve curve;
 };
 
-/// Shows progress on a terminal. Measures the error after each pass only for a report, because
-/// that takes time.
+/// Renders until a limit of the stop rule is reached and shows progress on a terminal. Measures the
+/// error after each pass only for a report, because that takes time.
 Result<Ending> render_all(ProgressiveRenderer& renderer, const Options& options) {
   using Clock = std::chrono::steady_clock;
   const bool show = !options.quiet && ::isatty(STDERR_FILENO) == 1;
@@ -193,7 +193,8 @@ struct Rendered {
 };
 
 Result<Rendered> render(const Options& options) {
-  // The engine first: a missing device is known at once, while reading a series takes seconds.
+  // Makes the engine first: a missing device is found at once, while reading a series takes
+  // seconds.
   auto engine = make_engine(options.engine, options.threads);
   if (!engine) return tl::make_unexpected(engine.error());
   auto input = read_input(options.input);

@@ -25,7 +25,7 @@ struct LabelOption {
 std::optional<LabelOption> parse_label(const std::string& text);
 
 /// Adds looks to a scene: the colours of the set for labels that the scene does not list, and then
-/// what the options say. kInvalid: the set has no label, or several, of that name.
+/// what the options say. Fails with kInvalid if the set has no label, or several, of that name.
 Result<void> show_labels(const volume::LabelSet& set, const std::vector<LabelOption>& options,
                          diaphane::v1::Scene& scene);
 

@@ -82,7 +82,7 @@ std::string parse_size(const std::string& text, Canvas& canvas) {
   return {};
 }
 
-/// CLI11's own validator accepts "-1" as a very large unsigned number.
+/// Returns a validator. That of CLI11 accepts "-1" as a very large unsigned number.
 std::function<std::string(const std::string&)> whole_number(std::uint64_t low, std::uint64_t high) {
   return [low, high](const std::string& text) -> std::string {
     std::uint64_t number = 0;

@@ -54,7 +54,7 @@ struct Options {
 /// Text and exit code for a run that ends without rendering.
 struct EarlyExit {
   int exit_code = 0;
-  std::string text;  ///< for standard output if the code is 0, else for standard error
+  std::string text;  ///< text for standard output if the code is 0, else for standard error
 };
 
 std::variant<Options, EarlyExit> parse(int argc, const char* const* argv);

@@ -11,7 +11,7 @@ namespace diaphane::render::cli {
 
 enum class PictureFormat {
   kPng,  ///< 8 bits, tone-mapped
-  kPpm,  ///< likewise, uncompressed; needs no library
+  kPpm,  ///< 8 bits, tone-mapped, uncompressed; needs no library
   kExr,  ///< linear radiance, 32-bit float, ZIP
 };
 
@@ -22,14 +22,14 @@ std::optional<PictureFormat> picture_format(std::string_view path);
 /// this program was built without the library for it.
 std::optional<std::string> unwritable_picture(std::string_view path);
 
-/// Return the bytes of the file. kUnsupported when built without the library. kInternal with the
-/// library's message.
+/// Return the bytes of the file. Fail with kUnsupported if this program was built without the
+/// library, and with kInternal and the library's message otherwise.
 Result<std::string> encode_png(const PictureRgb8& picture);
 std::string encode_ppm(const PictureRgb8& picture);
 Result<std::string> encode_exr(const PictureRgbF& picture);
 
 /// Writes to a temporary file and renames it, so that an existing file stays complete until then.
-/// kForbidden with the system's message.
+/// Fails with kForbidden and the system's message.
 Result<void> write_file(const std::string& path, std::string_view bytes);
 
 }  // namespace diaphane::render::cli

@@ -18,7 +18,7 @@ struct Outcome {
   std::vector<std::string> features;
   KernelReport kernel;
   bool denoised = false;
-  ErrorCurve curve;  ///< of the passes
+  ErrorCurve curve;  ///< error after each pass
 };
 
 /// Returns the JSON of `--json`, whose keys are listed by `--help`. It contains no paths or names

@@ -7,7 +7,7 @@
 
 namespace diaphane::render::cli {
 
-/// The readers of ingest/ if they are built in, otherwise kUnsupported (scan_readers_none.cpp).
+/// Read a scan with ingest/. Fail with kUnsupported if it is not built in (scan_readers_none.cpp).
 Result<volume::Volume> read_dicom_folder(const std::string& path);
 Result<volume::Volume> read_image_file(const std::string& path);
 

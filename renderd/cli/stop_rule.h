@@ -30,10 +30,10 @@ class Pace {
   std::uint32_t piece() const;
   /// To be called after a piece, with the total number of samples.
   void advance(std::uint64_t samples);
-  /// Whether to check the error now. Intervals grow by a quarter, so that estimates cost little
-  /// compared with rendering and at most a quarter too much is rendered.
+  /// Returns whether to check the error now. Intervals grow by a quarter, so that estimates cost
+  /// little compared with rendering and at most a quarter too much is rendered.
   bool error_is_due() const;
-  /// `error` is the current error if it was due.
+  /// Returns the limit that was reached, if any. `error` is the current error if it was due.
   std::optional<StopReason> reached(double seconds, std::optional<double> error) const;
 
  private:

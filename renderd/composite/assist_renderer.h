@@ -29,10 +29,10 @@ class AssistDesk {
   /// Records that the compositor took the part, and the progress of its picture.
   void taken(const AssistNews& news);
   AssistNews news() const;
-  /// Whether no part is in transit.
+  /// Returns whether no part is in transit.
   bool room() const;
-  /// Whether further rendering is useful. It is not while as many samples as were delivered wait
-  /// behind a part in transit (may_render).
+  /// Returns whether further rendering is useful. It is not while as many samples as were delivered
+  /// wait behind a part in transit (may_render).
   bool wants_more() const;
 
   // Called by the renderer.
@@ -63,7 +63,7 @@ class AssistRenderer final : public FrameRenderer {
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override;
   Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override;
   Progress progress() const override;
-  /// Leaves `out` unchanged.
+  /// Hands a part to the desk. Leaves `out` unchanged.
   Result<void> display(PictureRgb8& out) override;
   Result<void> radiance(PictureRgbF&) override { return no_picture(); }
   Result<void> contents(std::vector<std::uint8_t>&) override { return no_picture(); }

@@ -16,7 +16,7 @@ struct AssistTask {
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas canvas;
   Share share;
-  bool guided = false;  ///< its parts bring the guides of their rows
+  bool guided = false;  ///< whether its parts include the guides of their rows
 };
 
 struct AssistPart {
@@ -30,7 +30,7 @@ struct AssistPart {
 /// Progress of the picture that an assistant helps to render.
 struct AssistNews {
   std::uint64_t samples = 0;  ///< per pixel
-  double error = 0;           ///< as Progress::error
+  double error = 0;           ///< Progress::error
 };
 
 /// Another device, of this process or another one, that helps to render a picture. Never blocks;
@@ -39,16 +39,16 @@ struct AssistNews {
 class Assistant {
  public:
   virtual ~Assistant() = default;
-  /// Replaces the previous task.
+  /// Begins a task, which replaces the previous one.
   virtual void begin(const AssistTask& task) = 0;
   /// Returns the part that waits, if any. There is at most one: taking it makes room for the next,
   /// and an assistant whose part is not taken stops rendering.
   virtual std::optional<AssistPart> take(const AssistNews& news) = 0;
-  /// Whether the assistant is lost, permanently or temporarily, so that it will not deliver parts
-  /// of the task. A temporarily lost one can be asked to return by this call.
+  /// Returns whether the assistant is lost, permanently or temporarily, so that it will not deliver
+  /// parts of the task. A temporarily lost one can be asked to return by this call.
   virtual bool lost() = 0;
-  /// Throughput at which its parts are transferred before they can be merged. Within a process
-  /// parts are not transferred; merging reads them where they are.
+  /// Returns the throughput at which its parts are transferred before they can be merged. Within a
+  /// process, parts are not transferred; merging reads them where they are.
   virtual double bytes_per_second() const { return 1e12; }
 };
 

@@ -17,7 +17,7 @@ class CompositeVolume final : public DeviceVolume {
                   std::vector<std::shared_ptr<const DeviceVolume>> copies)
       : id_(volume.id), with_table_(!volume.surroundings_hidden), copies_(std::move(copies)) {}
   const volume::Header& header() const override { return copies_.front()->header(); }
-  /// The bytes on the device where it takes most, because each device has its own memory.
+  /// Returns the bytes on the device where it takes most, because each device has its own memory.
   std::uint64_t device_bytes() const override {
     std::uint64_t most = 0;
     for (const auto& copy : copies_) most = std::max(most, copy->device_bytes());
@@ -123,7 +123,7 @@ class Devices final : public CompositeEngine {
                                                   std::uint64_t first_sample, Method method) {
     const auto ours = std::dynamic_pointer_cast<const CompositeVolume>(std::move(volume));
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
-    // A draft is not merged, and would be one device's alone.
+    // Parts of a draft are not merged, so a draft would show the work of the home device alone.
     if (method.walk == Walk::kDraft) method.walk = Walk::kSoonest;
     auto own = alone(ours, home, seed, first_sample, method);
     if (!own) return own;

@@ -34,8 +34,8 @@ class CompositeEngine : public Engine {
   virtual std::size_t devices() const = 0;
   /// Returns this engine with another home device. All homes share the volumes.
   virtual Engine& home(std::size_t device) = 0;
-  /// A device helps no other while `needed` is true for it. Never waits; called by several threads.
-  /// The previous function is never called after this returns.
+  /// Sets `needed`: a device helps no other while the function is true for it. Several threads call
+  /// it, and it must not wait. The previous function is never called after this returns.
   virtual void keep_for_own(std::function<bool(std::size_t device)> needed) = 0;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The error to be reached soonest when the division is chosen.
+/// The division is chosen so that a picture reaches this error soonest.
 constexpr double kChosenFor = 0.05;
 
 double seconds_since(Clock::time_point begin) {
@@ -100,7 +100,7 @@ Result<void> CompositeRenderer::deal(Division division) {
     helper.share = shares[i + 1];
     if (!helper.share) continue;
     task_.share = *helper.share;
-    // Of a whole picture, this device records the guides itself.
+    // For a whole picture, this device records the guides itself.
     task_.guided = guided_ && division == Division::kTiles;
     helper.assistant->begin(task_);
     ++report_.assistants;

@@ -16,7 +16,7 @@ constexpr double kTurnSeconds = 0.005;
 constexpr double kMostSamples = 1024;
 /// How often a device that is kept for its own pictures checks whether they still need it.
 constexpr std::chrono::milliseconds kPoll{5};
-/// How long it must not have been needed before it helps others.
+/// How long a device must not have been needed before it helps others.
 constexpr std::chrono::milliseconds kCalm{100};
 
 double elapsed_since(Clock::time_point begin) {

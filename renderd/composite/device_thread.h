@@ -19,7 +19,7 @@ namespace diaphane::render {
 class DeviceThread {
  public:
   DeviceThread();
-  /// Its assistants do nothing afterwards.
+  /// Ends the thread. Its assistants do nothing afterwards.
   ~DeviceThread();
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
@@ -27,9 +27,9 @@ class DeviceThread {
   /// Makes an assistant that renders with `renderer`, which must belong to this device. The thread
   /// must outlive the assistant.
   std::unique_ptr<Assistant> assistant(std::unique_ptr<FrameRenderer> renderer);
-  /// Its assistants are lost while `needed` is true, and come back some time after it has become
-  /// false. Null: the device is never needed. The previous function is never called after this
-  /// returns.
+  /// Sets `needed`: the assistants are lost while the function is true, and come back some time
+  /// after it has become false. Null: the device is never needed. The previous function is never
+  /// called after this returns.
   void keep_for_own(std::function<bool()> needed);
 
  private:
@@ -37,10 +37,10 @@ class DeviceThread {
   class JobAssistant;
 
   void run();
-  /// Whether the device's own pictures need it, as of now.
+  /// Returns whether the device's own pictures need the device now.
   bool needed();
-  /// The same, or a moment ago, so that pictures which pause briefly do not make helpers come and
-  /// go.
+  /// Returns whether they need the device, or needed it a moment ago, so that a brief pause of a
+  /// picture does not make helpers leave and return.
   bool kept();
   void add(std::shared_ptr<Job> job);
   void wake();

@@ -32,14 +32,14 @@ class RowCosts {
   double share_of(std::uint32_t first, std::uint32_t last, std::uint32_t height) const;
 
  private:
-  std::vector<double> bins_;  ///< from the top; their mean is about 1
+  std::vector<double> bins_;  ///< costs from the top; their mean is about 1
 };
 
 /// Returns one share per device, or nullopt for a device that gets none. With kAverage, shares are
 /// parts of the sequence `sequence`. With kTiles, they are bands that take equally long at these
 /// speeds and contain every row once. Each device gets at least one unit of rows if there are
-/// enough units. `speeds` has the speed of each device in any unit, or 0 for one that takes no
-/// part. At least one device must take part.
+/// enough units. `speeds` has the speed of each device in any unit, or 0 for a device that gets no
+/// share. At least one speed must be positive.
 std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
                                               const std::vector<double>& speeds,
                                               const RowCosts& costs, std::uint64_t sequence);
@@ -49,7 +49,7 @@ std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
 inline constexpr double kPartSeconds = 0.6e-3;
 inline constexpr double kMergeSeconds = 0.03e-9;
 /// By how much the slowest band exceeds its even share of the time, per additional device. Measured
-/// there too.
+/// like the costs above.
 inline constexpr double kBandsUneven = 0.15;
 
 /// The input of choose_division().
@@ -68,7 +68,7 @@ struct DivisionInput {
 };
 
 struct DivisionGain {
-  double seconds = 0;      ///< until the picture has DivisionInput::samples
+  double seconds = 0;      ///< time until the picture has DivisionInput::samples
   double bytes_moved = 0;  ///< bytes of the parts that devices transfer to each other
 };
 
@@ -88,12 +88,12 @@ struct PartInput {
   double seconds_cost = 0;      ///< time that the last delivery took; 0: unknown
   bool room = true;             ///< the last part was taken
 };
-/// Whether a part is due. The first pair of samples is due at once, and later parts whenever the
-/// samples held are a quarter of those delivered. Deliveries take at most an eighth of the time. A
-/// part is due at the latest after 100 ms.
+/// Returns whether a part is due. The first pair of samples is due at once, and later parts
+/// whenever the samples held are a quarter of those delivered, or after 100 ms. Deliveries take at
+/// most an eighth of the time.
 bool part_due(const PartInput& input);
-/// Whether a device may continue while its part has not been taken. It stops after as many samples
-/// again, because no one waits for more.
+/// Returns whether a device may continue while its part has not been taken. It stops after as many
+/// samples again, because no one waits for more.
 bool may_render(const PartInput& input);
 
 }  // namespace diaphane::render

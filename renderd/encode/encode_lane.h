@@ -15,11 +15,11 @@ namespace diaphane::render {
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
-  /// kGo: encode it and pass it to `coded` or `dropped`. kWait: keep it until `poke`.
+  /// kGo: the frame is encoded and passed to `coded` or `dropped`. kWait: it waits for `poke`.
   virtual Admitted admit(const FrameInfo& frame) = 0;
   virtual void coded(const FrameInfo& frame, CodedFrame data, double seconds) = 0;
   virtual void dropped(const FrameInfo& frame, const Error& why) = 0;
-  /// Whether even moving pictures of this session yield to those of other sessions.
+  /// Returns whether even moving pictures of this session yield to those of other sessions.
   virtual bool gives_way() const { return false; }
 };
 
@@ -32,10 +32,10 @@ class EncodeLane : public std::enable_shared_from_this<EncodeLane> {
 
   /// Replaces the waiting picture.
   void submit(RenderedPicture picture);
-  /// To be called when the viewer may have room again.
+  /// Tries to encode the waiting picture, because the viewer may have room again.
   void poke();
   bool slot_free() const;
-  /// Number of pictures that were replaced or became outdated before they were encoded.
+  /// Returns the number of pictures that were replaced or outdated before they were encoded.
   std::uint64_t skipped() const;
 
  private:
@@ -48,7 +48,7 @@ class EncodeLane : public std::enable_shared_from_this<EncodeLane> {
   mutable std::mutex mutex_;
   std::optional<RenderedPicture> slot_;
   bool scheduled_ = false;  // whether a job of this lane is queued or running
-  bool poked_ = false;      // called while the job ran
+  bool poked_ = false;      // whether schedule() was called while the job ran
   std::uint64_t skipped_ = 0;
 };
 

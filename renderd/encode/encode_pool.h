@@ -20,7 +20,7 @@ class EncodePool {
  public:
   enum class Urgency {
     kNow,       ///< a user waits for it: moving pictures and the first picture of an epoch
-    kNowLarge,  ///< the same, but it takes long (more than `kSmallPixels`)
+    kNowLarge,  ///< kNow for a picture of more than `kSmallPixels`, which takes long
     kLater,     ///< refinement at rest, and all work for visitors; runs at a lower CPU priority
   };
   /// About what one thread encodes in 5 ms.
@@ -29,15 +29,15 @@ class EncodePool {
   /// when the CPU is contended.
   static constexpr int kLaterNice = 5;
 
-  /// `threads` per urgency. After a job, its thread rests `rest` times as long as the job took, so
-  /// that jobs take at most 1 / (1 + rest) of a core.
+  /// Starts `threads` threads per urgency. After a job, its thread rests `rest` times as long as
+  /// the job took, so that jobs take at most 1 / (1 + rest) of a core.
   explicit EncodePool(unsigned threads, double rest = 0);
   /// Runs the queued jobs before it returns.
   ~EncodePool();
   EncodePool(const EncodePool&) = delete;
   EncodePool& operator=(const EncodePool&) = delete;
 
-  /// `pixels` is the size of the picture. The deadline of a job is kPatience times its expected
+  /// Queues a job for a picture of `pixels`. The deadline of a job is kPatience times its expected
   /// duration after now. So many sessions with larger pictures hardly delay one with a smaller one,
   /// and no job waits without end.
   void post(Urgency urgency, std::function<void()> job, std::size_t pixels = 0);

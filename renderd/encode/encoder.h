@@ -27,7 +27,7 @@ struct CodedFrame {
   bool key = true;
   Canvas size;  ///< size to show: the picture's, or smaller if the codec limits sides
   std::string data;
-  std::string decoder;  ///< for a key frame of H264: the decoder's configuration (RFC 6381)
+  std::string decoder;  ///< configuration for the decoder (RFC 6381), with each key frame of H264
 };
 
 /// Encodes the pictures of one session in order. It may keep state between pictures, such as a
@@ -40,14 +40,14 @@ class Encoder {
   virtual Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) = 0;
 };
 
-/// kInternal when the number of pixels does not match the size.
+/// Fails with kInternal if the number of pixels does not match the size.
 Result<void> check_picture(const PictureRgb8& picture);
 
-/// Whether this process supports the codec. For H.264, the first call tests the encoders, which
-/// takes some milliseconds.
+/// Returns whether this process supports the codec. For H.264, the first call tests the encoders,
+/// which takes some milliseconds.
 bool can_encode(diaphane::v1::Codec codec);
 
-/// kUnsupported for a codec that this program does not support.
+/// Creates an encoder. Fails with kUnsupported for a codec that this program does not support.
 Result<std::unique_ptr<Encoder>> make_encoder(diaphane::v1::Codec codec);
 
 }  // namespace diaphane::render

@@ -27,12 +27,12 @@ constexpr std::array<MarkColour, 8> kColours{{{0xff, 0xb4, 0x54},
                                               {0x63, 0xe0, 0xcf},
                                               {0xff, 0x94, 0x80}}};
 constexpr MarkColour kDark{0x14, 0x18, 0x1d};
-// In pixels of the page.
+// Sizes in pixels of the page.
 constexpr double kShortestArrow = 14, kLeastRadius = 3;
-/// The space that a text may need, for the choice of a side.
+/// Width of the space that a text may need, for the choice of a side.
 constexpr double kTextWidth = 130;
 
-/// Where places appear in the whole picture.
+/// Projects places to the whole picture.
 class Projection {
  public:
   Projection(const v1::Camera& camera, Canvas canvas)
@@ -43,7 +43,7 @@ class Projection {
         parallel_mm_(camera.orthographic_height()),
         spread_(2 * std::tan(camera.vertical_fov_degrees() * std::numbers::pi / 360)) {}
 
-  /// Returns nullopt for a place behind the eye.
+  /// Returns the position in pixels, or nullopt for a place behind the eye.
   std::optional<PicturePoint> point(Double3 place) const {
     const Double3 from_eye = place - eye_;
     const double ahead = -dot(from_eye, axes_.back);

@@ -19,8 +19,8 @@ using FindHidden = std::function<std::vector<bool>(const diaphane::v1::Scene& sc
 class FileMarks {
  public:
   FileMarks() = default;
-  /// `unit`: pixels of the file per pixel of the page; 0 means 1. The marks have passed
-  /// note_file_mark. kInvalid if the coverage of a label is damaged.
+  /// Prepares marks that have passed note_file_mark. `unit`: pixels of the file per pixel of the
+  /// page; 0 means 1. Fails with kInvalid if the coverage of a label is damaged.
   static Result<FileMarks> make(std::vector<diaphane::v1::FileMark> marks, double unit,
                                 FindHidden find_hidden);
 

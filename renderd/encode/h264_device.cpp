@@ -7,7 +7,7 @@
 namespace diaphane::render {
 namespace {
 
-// Grey, in a size that every encoder accepts (the minimum of NVENC is 145 x 49).
+// Returns a grey picture in a size that every encoder accepts (the minimum of NVENC is 145 x 49).
 PictureRgb8 test_frame() {
   PictureRgb8 picture;
   picture.size = {256, 256};

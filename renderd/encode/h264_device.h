@@ -6,8 +6,8 @@
 namespace diaphane::render {
 
 enum class H264Device {
-  kX264,   ///< on the CPU
-  kNvenc,  ///< on an NVIDIA GPU's encoder, which data-centre GPUs (H100, H200) do not have
+  kX264,   ///< the encoder x264 on the CPU
+  kNvenc,  ///< the encoder of an NVIDIA GPU, which data-centre GPUs (H100, H200) lack
 };
 
 /// The encoders that this process can use.

@@ -116,7 +116,7 @@ class H264Encoder final : public Encoder {
     if (device_ == H264Device::kNvenc) context_->bit_rate = context_->rc_max_rate;
   }
 
-  // FFmpeg applies changes of these fields at each frame.
+  // Sets the rate limit of the next frame. FFmpeg applies changes of these fields at each frame.
   Result<void> set_bound(const EncodeRequest& request) {
     const std::int64_t target = bound(request);
     if (device_ == H264Device::kX264) {

@@ -20,8 +20,8 @@ constexpr int kMovingQuality = 80;
 constexpr int kSettledQuality = 95;
 constexpr int kLowestQuality = 25;
 
-// libjpeg scales its tables by 5000 / quality below 50 and by 200 - 2 quality above. The size is
-// roughly inversely proportional to that scale.
+// Returns the quality at which a picture probably fits. libjpeg scales its tables by 5000 / quality
+// below 50 and by 200 - 2 quality above. The size is roughly inverse to that scale.
 int lower_quality(int quality, std::size_t bytes, std::size_t most) {
   const double scale = quality < 50 ? 5000.0 / quality : 200.0 - 2 * quality;
   const double target = scale * 1.3 * static_cast<double>(bytes) / static_cast<double>(most);

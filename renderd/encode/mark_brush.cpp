@@ -9,7 +9,7 @@ namespace diaphane::render {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-/// Only tiles near a line are visited pixel by pixel.
+/// Side of a tile in pixels. Only tiles near a line are visited pixel by pixel.
 constexpr std::uint32_t kTile = 16;
 
 double distance(PicturePoint a, PicturePoint b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -49,7 +49,7 @@ double from_circle(PicturePoint p, const Disc& circle, double dash) {
   return std::hypot(gap, aside);
 }
 
-/// Negative inside.
+/// Returns the distance from the edge of a triangle. Negative inside.
 double from_triangle(PicturePoint p, const std::array<PicturePoint, 3>& corners) {
   double edge = kFar;
   bool left = true, right = true;
@@ -91,7 +91,7 @@ PicturePoint centre_of(const PictureRgb8& picture, std::uint32_t x, std::uint32_
   return {x + 0.5, picture.size.first_row + y + 0.5};
 }
 
-/// Bilinear. Transparent outside.
+/// Returns the bilinearly interpolated coverage of a stamp, which is 0 outside.
 double coverage_at(const Stamp& stamp, double x, double y) {
   const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
   const auto at = [&](double column, double row) {

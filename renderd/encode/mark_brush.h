@@ -10,7 +10,7 @@
 /// Draws the lines and texts of marks on a picture, like frontend/src/marks/paint.ts.
 namespace diaphane::render {
 
-/// In pixels of the whole picture, from its upper left corner.
+/// A position in pixels of the whole picture, from its upper left corner.
 struct PicturePoint {
   double x = 0, y = 0;
 };
@@ -25,7 +25,7 @@ struct MarkLines {
   std::optional<std::array<PicturePoint, 2>> line;
   std::optional<std::array<PicturePoint, 3>> head;  ///< filled
   std::optional<Disc> circle;                       ///< an outline
-  std::optional<PicturePoint> dot;                  ///< as large as the pen
+  std::optional<PicturePoint> dot;                  ///< a dot whose radius is the pen's width
 };
 
 struct MarkColour {
@@ -36,7 +36,7 @@ struct Pen {
   MarkColour colour;
   double width = 1;
   double dash = 0;     ///< length of dashes and gaps; 0: solid lines
-  double opacity = 1;  ///< of the lines as a whole
+  double opacity = 1;  ///< opacity of the lines as a whole
 };
 
 /// The coverage of one text, 8 bits per pixel, whose upper left corner lies at `at`.
@@ -47,7 +47,7 @@ struct Stamp {
   double scale = 1;  ///< pixels of the picture per pixel of the stamp
 };
 
-/// The picture may be a band of a larger one.
+/// Draw on a picture, which may be a band of a larger one.
 void draw(PictureRgb8& picture, const MarkLines& lines, const Pen& pen);
 void draw(PictureRgb8& picture, const Stamp& stamp, MarkColour colour, double opacity);
 

@@ -76,7 +76,7 @@ class Mpeg1Encoder final : public Encoder {
     // Without this flag, FFmpeg delays each frame in case B frames follow.
     context.strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
     context.flags |= AV_CODEC_FLAG_QSCALE | AV_CODEC_FLAG_LOW_DELAY;
-    // disables key frames at scene changes
+    // Disables key frames at scene changes.
     av_opt_set_int(context.priv_data, "sc_threshold", 1000000000, 0);
     context.global_quality = kMovingQuantiser * FF_QP2LAMBDA;
     context.qmin = kFinest;
@@ -108,7 +108,8 @@ int next_quantiser(int before, std::size_t bytes, std::size_t most, int best) {
   // The size of a frame is roughly inversely proportional to the quantiser. A margin of a quarter
   // allows for more motion.
   const double target = 1.25 * before * static_cast<double>(bytes) / static_cast<double>(most);
-  // Coarser at once, finer in small steps, because near the noise level a step changes much.
+  // The quantiser rises at once and falls in small steps, because near the noise level a step
+  // changes the size much.
   const int finer = before - std::max(1, before / 12);
   return std::clamp(std::max(static_cast<int>(std::ceil(target)), finer), best, kCoarsest);
 }

@@ -22,7 +22,7 @@ class PngRows {
   virtual Result<std::string> finish() = 0;
 };
 
-/// `level` is the compression level of zlib, 0 to 9.
+/// Creates a writer. `level` is the compression level of zlib, 0 to 9.
 Result<std::unique_ptr<PngRows>> make_png_rows(Canvas size, int level);
 
 }  // namespace diaphane::render

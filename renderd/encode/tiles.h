@@ -32,7 +32,7 @@ struct CodedTile {
   std::string hash;  ///< 32-byte SHA-256 of the pixels: RGB, rows from the top
 };
 
-/// Encodes a part of a picture losslessly. kInternal when the tile is not within the picture.
+/// Encodes a part of a picture losslessly. Fails with kInternal if the picture does not contain it.
 Result<CodedTile> encode_tile(const PictureRgb8& picture, const Tile& tile,
                               diaphane::v1::StillFormat format);
 

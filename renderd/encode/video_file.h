@@ -30,7 +30,7 @@ class VideoFile {
   virtual Result<std::string> finish() = 0;
 };
 
-/// kUnsupported if FFmpeg was built without libx264.
+/// Creates an empty video. Fails with kUnsupported if FFmpeg was built without libx264.
 Result<std::unique_ptr<VideoFile>> make_video_file(const VideoFormat& format);
 
 }  // namespace diaphane::render

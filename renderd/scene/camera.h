@@ -15,7 +15,7 @@ struct CameraAxes {
   Double3 to_world(Double3 v) const { return right * v.x + up * v.y + back * v.z; }
 };
 
-/// Requires that `camera` has passed check_scene().
+/// Prepares a camera that has passed check_scene() for a canvas.
 CameraView prepare_camera(const diaphane::v1::Camera& camera, const CameraAxes& axes,
                           const WorldToFrame& frame, Canvas canvas);
 

@@ -6,8 +6,8 @@
 namespace diaphane::render {
 namespace {
 
-/// Keeps the world points p with dot(normal, p - point) <= 0. Adds nothing if that cuts off no part
-/// of the box.
+/// Restricts the view to the world points p with dot(normal, p - point) <= 0, unless that cuts off
+/// no part of the box.
 void add_half_space(ClipView& view, Double3 point, Double3 normal, const WorldToFrame& frame,
                     Double3 spacing) {
   const Double3 n = normalize(frame.direction(normal));

@@ -7,7 +7,7 @@
 
 namespace diaphane::render {
 
-/// These functions require messages that have passed check_scene().
+/// All functions of this file require parts of a scene that has passed check_scene().
 ClipView prepare_clip(const diaphane::v1::Clip& clip, const WorldToFrame& frame, Double3 spacing);
 
 /// Assigns to each axis of the patient the nearest voxel axis (0 to 2), a different one for each,
@@ -18,10 +18,10 @@ struct PatientAxes {
 };
 PatientAxes patient_axes(const volume::Header& header);
 
-/// The tone curve of the display.
+/// Returns the tone curve of the display.
 ToneCurve curve_of(const diaphane::v1::Display& display);
 
-/// Omits slices outside the volume.
+/// Returns the shown slices of a scene. Omits those outside the volume.
 SlicesView prepare_slices(const diaphane::v1::Scene& scene, const volume::Header& header);
 bool any_slice(const SlicesView& slices);
 

@@ -25,7 +25,7 @@ std::string path_of(const std::string& id) {
   return directory().empty() ? std::string() : directory() + "/" + id + ".hdr";
 }
 
-/// Returns nullopt if there is no such file.
+/// Reads the file of an environment. Returns nullopt if there is no such file.
 Result<std::optional<std::string>> read_file(const std::string& id) {
   if (!is_id(id)) return fail(ErrorCode::kInvalid, "must be the ID of a stored environment");
   const std::string path = path_of(id);

@@ -9,12 +9,13 @@
 /// ID may light a scene with it. The directory applies to the whole process.
 namespace diaphane::render {
 
-/// Sets the directory with one file per environment. Without it, every stored one is refused.
+/// Sets the directory with one file per environment. Without it, all stored environments are
+/// refused.
 void set_environment_directory(std::string directory);
 
-/// Both read the disk. An environment that no longer exists is a single white pixel, so the
-/// light becomes uniform. Fail with kUnavailable if the disk does not respond, and with kInvalid
-/// for a damaged file or if there is no directory.
+/// Read the size or the pixels of an environment from the disk. An environment that no longer
+/// exists is a single white pixel, so the light becomes uniform. Fail with kUnavailable if the disk
+/// does not respond, and with kInvalid for a damaged file or if there is no directory.
 Result<TextureSize> stored_size(const std::string& id);
 Result<TexturePicture> load_stored(const std::string& id);
 

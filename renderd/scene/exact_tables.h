@@ -26,7 +26,7 @@ struct ExactTables {
 std::vector<ExtinctionPiece> join_pieces(const float* extinction, std::int32_t count, double scale,
                                          double first);
 
-/// The table's parameters are those of TransferView.
+/// Makes the tables from an extinction table whose parameters are those of TransferView.
 ExactTables make_exact_tables(const float* extinction, std::int32_t count, double scale,
                               const ValueGrid& grid);
 

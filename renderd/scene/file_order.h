@@ -6,13 +6,13 @@
 #include "api/proto/stream.pb.h"
 #include "common/result.h"
 
-// Checks a browser's order for a file (docs/adr/0031) against its limits.
+// Checks a browser's request for a file (docs/adr/0031) against its limits.
 
 namespace diaphane::render {
 
 inline constexpr std::size_t kMostFileMarks = 100;
 inline constexpr double kLeastMarkUnit = 0.1, kMostMarkUnit = 100;
-/// Pixels of one picture of a label, and of all labels.
+/// Maximum number of pixels of the picture of one label, and of all labels together.
 inline constexpr std::uint64_t kMostLabelPixels = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t kMostPixelsOfLabels = std::uint64_t{1} << 24;
 
@@ -27,7 +27,7 @@ Result<void> note_file_mark(std::vector<diaphane::v1::FileMark>& marks,
 
 Result<void> check_mark_unit(const diaphane::v1::FileRequest& request);
 
-/// Fails with kInvalid and the name of what is wrong with the order or with its scene.
+/// Checks the request of a large picture. Fails with kInvalid and the name of the wrong field.
 Result<void> check_picture(const diaphane::v1::LargePicture& picture,
                            const std::vector<diaphane::v1::Scene>& keys);
 

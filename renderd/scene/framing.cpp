@@ -10,7 +10,7 @@
 namespace diaphane::render {
 namespace {
 
-/// Between fat and air, and well above the noise of air.
+/// Hounsfield units, between fat and air and well above the noise of air.
 constexpr double kDenserThanAir = -300;
 /// Share of the way from the darkest voxels to bright tissue at which tissue begins in MR and
 /// others. Noise in the background stays below it.

@@ -16,8 +16,8 @@ struct Framing {
 Framing whole_box(const volume::Header& header);
 
 /// Returns the ellipsoid in the box around what is denser than air (CT) or brighter than the
-/// background (everything else). A thousandth of these voxels may lie outside at each face, since
-/// noise has no part in the picture. If there are next to none, returns whole_box().
+/// background (everything else). A thousandth of these voxels may lie outside at each face, so that
+/// noise does not enlarge it. If there are next to none, returns whole_box().
 Framing visible_part(const volume::Volume& volume);
 
 }  // namespace diaphane::render

@@ -35,7 +35,8 @@ void row_ranges(const std::int16_t* row, std::int32_t size, std::span<ValueRange
   }
 }
 
-/// The cells of brick b are 4b to 4b + 3, and the voxels at their corners are 4b - 1 to 4b + 3.
+/// Computes the range of each brick. Brick b has the cells 4b to 4b + 3, with corners at the voxels
+/// 4b - 1 to 4b + 3.
 std::vector<ValueRange> brick_ranges_of(std::span<const std::int16_t> voxels, Int3 size,
                                         Int3 bricks) {
   const auto voxels_of = [](std::int32_t brick, std::int32_t n, std::int32_t& first,

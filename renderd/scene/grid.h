@@ -19,7 +19,7 @@ struct ValueRange {
 
 /// Which labels the macrocells contain. Computed once per volume, like ValueGrid.
 struct LabelGrid {
-  std::vector<std::uint32_t> numbers;  ///< of the labels 1, 2, ...; empty if there are none
+  std::vector<std::uint32_t> numbers;  ///< numbers of the labels 1, 2, ...; empty if there are none
   /// The different sets of labels of one macrocell extended by a voxel. Bit 0 is for voxels of no
   /// label.
   std::vector<std::bitset<256>> sets;
@@ -34,7 +34,7 @@ struct LabelGrid {
 struct ValueGrid {
   Int3 cells{};                    ///< macrocells along x, y, z
   std::vector<ValueRange> ranges;  ///< x fastest
-  ValueRange whole{};              ///< of all voxels
+  ValueRange whole{};              ///< range of all voxels
   Int3 bricks{};                   ///< number of bricks of cells between voxel centres (ExactView)
   /// Ranges of the voxels at the corners of their cells; x fastest.
   std::vector<ValueRange> brick_ranges;

@@ -32,7 +32,7 @@ std::shared_ptr<const PreparedLabels> prepare_labels(const diaphane::v1::Scene& 
                                                      const LabelGrid& grid, Int3 size,
                                                      Float3 spacing);
 
-/// Whether two scenes show labels in the same way.
+/// Returns whether two scenes show labels in the same way.
 bool have_same_labels(const diaphane::v1::Scene& a, const diaphane::v1::Scene& b);
 
 }  // namespace diaphane::render

@@ -17,16 +17,15 @@ namespace diaphane::render {
 namespace {
 
 /// Fraction of the mean of a row or map that is added to each texel's brightness. So every
-/// direction is drawn now and then, and no texel's probability is lost in the rounding of its row's
-/// sums.
+/// direction can be drawn, and no texel's probability is lost in the rounding of its row's sums.
 constexpr double kFloor = 0.01;
 
 double brightness(const Float4& c) {
   return static_cast<double>(c.x) + static_cast<double>(c.y) + static_cast<double>(c.z);
 }
 
-/// Replaces a row by (before + 6 of its own + after) / 8, which is what interpolation makes of its
-/// mean over a texel.
+/// Replaces each value of a row by (previous + 6 * value + next) / 8, which is the mean over its
+/// texel of the linearly interpolated row.
 void blur(std::vector<double>& row, double before, double after) {
   for (std::size_t i = 0; i < row.size(); ++i) {
     const double next = i + 1 == row.size() ? after : row[i + 1];
@@ -69,7 +68,7 @@ void add_distribution(std::span<Float4> texels, std::size_t width, std::size_t h
     for (std::size_t i = 0; i < width; ++i) {
       of_texel[i] = 0.125 * above[i] + 0.75 * here[i] + 0.125 * below[i];
     }
-    blur(of_texel, of_texel.back(), of_texel.front());  // the columns go around
+    blur(of_texel, of_texel.back(), of_texel.front());  // the columns wrap around
     in_row[j] = std::accumulate(of_texel.begin(), of_texel.end(), 0.0);
     const double middle =
         std::numbers::pi * (static_cast<double>(j) + 0.5) / static_cast<double>(height);

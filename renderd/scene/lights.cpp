@@ -54,7 +54,7 @@ AreaLight flat_light(Double3 corner, Double3 u, Double3 v) {
   return out;
 }
 
-/// Area of a disk, or of a sphere as seen from a distance; a point counts as 1 mm^2.
+/// Returns the area of a disk, or of a sphere as seen from a distance; a point counts as 1 mm^2.
 float round_area(double radius) {
   return radius > 0 ? static_cast<float>(std::numbers::pi * radius * radius) : 1.0f;
 }
@@ -120,10 +120,10 @@ AreaLight projecting(AreaLight light, double degrees, Double3 middle, Double3 or
 
 /// Properties that lights of all shapes have.
 struct Appearance {
-  Double3 radiance;  ///< intensity included
+  Double3 radiance;  ///< radiance with the light's intensity included
   const std::string* texture = nullptr;
   bool stored = false;  ///< `texture` is the ID of a stored environment
-  double rotation = 0;  ///< of an environment's texture, in degrees
+  double rotation = 0;  ///< rotation of an environment's texture in degrees
 };
 template <typename Shape>
 Appearance appearance_of(const Shape& shape, double intensity) {

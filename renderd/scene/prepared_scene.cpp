@@ -73,7 +73,7 @@ void prepare_background(const diaphane::v1::Display& display, PreparedScene& out
 /// Returns the share of the sky in the light that reaches the middle of the volume if nothing is in
 /// the way, in [0, 1].
 double share_of_sky(const PreparedScene& scene) {
-  // In double, because the radiances may be as large as a float can be.
+  // Computed in double, because the radiances may be as large as a float can be.
   const auto brightness = [](Float3 c) { return double{c.x} + c.y + c.z; };
   double lamps = 0;
   for (const AreaLight& light : scene.lights) {

@@ -46,10 +46,10 @@ struct PreparedScene {
   Float3 escape_edge{};  ///< as in SceneView
   Canvas canvas;
   Float3 spacing{};                 ///< mm
-  Float3 middle{};                  ///< of the volume, mm in its frame
-  double exposure = 0;              ///< in stops: the display multiplies the radiance by 2^exposure
+  Float3 middle{};                  ///< centre of the volume in its frame, mm
+  double exposure = 0;              ///< stops: the display multiplies the radiance by 2^exposure
   bool automatic_exposure = false;  ///< whether automatic_stops() are added to it
-  ToneCurve curve = ToneCurve::kLinear;  ///< of the display
+  ToneCurve curve = ToneCurve::kLinear;  ///< tone curve of the display
 };
 
 /// Checks a scene and prepares it for a volume. Fails with kInvalid and the name of the field.
@@ -60,8 +60,8 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
                                     const PreparedScene* before = nullptr,
                                     const diaphane::v1::Scene* before_scene = nullptr);
 
-/// Whether directions sampled from the scattering of the scene's matter are samples of its lights
-/// too. See kMixes, which is the same for the features of the kernel.
+/// Returns whether directions sampled from the scattering of the scene's matter are samples of its
+/// lights too. See kMixes, which is the same for the features of the kernel.
 inline bool mixes(const PreparedScene& scene) {
   return scene.features.has(Feature::kAnisotropicPhase) || scene.features.has(Feature::kSurfaces);
 }
@@ -74,8 +74,8 @@ inline const std::vector<CellBounds>& bounds_of(const PreparedScene& scene) {
   return scene.labels ? scene.labels->bounds : scene.transfer->bounds;
 }
 
-/// Whether the scene is rendered by the exact walk instead of tracking. The walk cannot follow the
-/// extinction of labels, which jumps between the centres of voxels.
+/// Returns whether the scene is rendered by the exact walk instead of tracking. The walk cannot
+/// follow the extinction of labels, which jumps between the centres of voxels.
 bool use_exact_walk(const PreparedScene& scene, Method method);
 
 /// Returns the view of the exact walk's tables. `pieces`, `piece_of` and `skips` point to the

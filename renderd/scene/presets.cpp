@@ -44,12 +44,11 @@ using Curve = std::initializer_list<Point>;
 struct Matter {
   const char* name;
   Vector albedo;
-  double reflectance;  ///< of the glossy surface, at normal incidence
+  double reflectance;  ///< reflectance of the glossy surface at normal incidence
   double gloss;
 };
 
-/// One material of a look. The opacity of its last point extends to the largest value of the
-/// volume.
+/// One material of a look: its properties, and its opacity by voxel value.
 struct LookMaterial {
   Matter matter;
   Curve curve;
@@ -158,7 +157,7 @@ const Look kOtherLooks[] = {
     {kAirways, 1.4, 1, 0, {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
 };
 
-/// Half the diagonal of the box around what is framed, mm.
+/// Returns half the diagonal of the box around what is framed, mm.
 double radius_of(const Framing& framing) {
   const auto& half = framing.half_width;
   return std::hypot(half[0], half[1], half[2]);
@@ -169,7 +168,8 @@ struct Brightness {
   double least, tissue, most;
 };
 
-/// Tissue is what is brighter than nine tenths of the volume, unless most of the volume is air.
+/// Returns the values of a scan. Tissue is what is brighter than nine tenths of the volume, unless
+/// most of the volume is air.
 Brightness brightness_of(const volume::Header& header) {
   const auto& at = header.percentiles;
   const double least = at[0], most = at[7] > least ? at[7] : least + 1;
@@ -178,13 +178,13 @@ Brightness brightness_of(const volume::Header& header) {
   return {least, least + span, most};
 }
 
-/// A value of kOtherLooks.
+/// Converts a value of kOtherLooks to a voxel value.
 double value_of(const volume::Header& header, double level) {
   const auto [least, tissue, most] = brightness_of(header);
   return level <= 1 ? least + level * (tissue - least) : tissue + (level - 1) * (most - tissue);
 }
 
-/// Whether some parts are so much brighter than tissue as blood is in angiography.
+/// Returns whether some parts are as much brighter than tissue as blood is in angiography.
 bool has_bright_vessels(const volume::Header& header) {
   constexpr double kTimesTissue = 2.5;
   const auto [least, tissue, most] = brightness_of(header);
@@ -217,10 +217,10 @@ void fill_channel(const volume::Header& header, const LookMaterial& material,
 /// A square light that faces the target.
 struct Lamp {
   const char* name;
-  Vector towards;   ///< in the camera's frame (x right, y up, z towards the eye)
-  double distance;  ///< from the target; like `edge`, in radii of what is framed
+  Vector towards;   ///< direction in the camera's frame (x right, y up, z towards the eye)
+  double distance;  ///< distance from the target; like `edge`, in radii of what is framed
   double edge;
-  double irradiance;  ///< at the target
+  double irradiance;  ///< irradiance at the target
   Vector tint;
 };
 
@@ -239,11 +239,11 @@ void add_light(v1::Scene& scene, double radius, const Lamp& lamp) {
       lamp.tint * (lamp.irradiance * distance * distance / (edge * edge)));
 }
 
-/// Light like a photographer's: a warm key from the side and above, a cool rim from behind that
-/// separates the outline from the background, and a sky so faint that shadows stay dark.
+/// Adds light like a photographer's: a warm key from the side and above, a cool rim from behind
+/// that separates the outline from the background, and a sky so faint that shadows stay dark.
 ///
-/// The sky fills instead of a third lamp because each collision asks one lamp, chosen by power: a
-/// weak lamp is asked rarely, which makes shadows noisy. A stronger rim would take samples from the
+/// The sky replaces a third lamp, because each collision samples one lamp, chosen by power: a weak
+/// lamp is sampled rarely, which makes shadows noisy. A stronger rim would take samples from the
 /// key, since it is hidden from most places that the camera sees.
 void add_lights(v1::Scene& scene, double radius) {
   add_light(scene, radius, {"key", {-0.90, 0.80, 0.75}, 3.2, 0.9, 6.0, {1.0, 0.93, 0.82}});
@@ -253,7 +253,7 @@ void add_lights(v1::Scene& scene, double radius) {
   set(*sky.mutable_environment()->mutable_radiance(), {0.23, 0.24, 0.27});
 }
 
-/// Half the width of the framed ellipsoid along a direction.
+/// Returns half the width of the framed ellipsoid along a direction.
 double half_width(const volume::Header& header, const Framing& framing, Vector along) {
   double squared = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -265,8 +265,8 @@ double half_width(const volume::Header& header, const Framing& framing, Vector a
   return std::sqrt(squared);
 }
 
-/// A portrait: through a long lens from the front, turned to the patient's left and slightly from
-/// above. It is framed on an ellipsoid, since a body rarely fills the corners of a box.
+/// Places the camera for a portrait: a long lens in front of the patient, turned to their left and
+/// slightly above. It is framed on an ellipsoid, since a body rarely fills the corners of a box.
 void place_camera(v1::Scene& scene, const volume::Header& header, const Framing& framing) {
   constexpr double kFov = 20, kTurned = 25, kRaised = 10, kDegree = std::numbers::pi / 180;
   const Vector towards{std::sin(kTurned * kDegree) * std::cos(kRaised * kDegree),
@@ -276,7 +276,7 @@ void place_camera(v1::Scene& scene, const volume::Header& header, const Framing&
   // Pictures are at least as wide as high, except on phones.
   const double half_height =
       kMargin * std::max(half_width(header, framing, up), 0.9 * half_width(header, framing, right));
-  // Somewhat above the middle of the picture, whose lower edge is under the page's controls.
+  // Raises the body above the middle of the picture, whose lower edge the page's controls cover.
   const Vector target = Vector{framing.centre[0], framing.centre[1], framing.centre[2]} +
                         Vector{0, 0, -0.08 * half_height};
   v1::Camera& camera = *scene.mutable_camera();

@@ -17,7 +17,7 @@ namespace diaphane::render {
 /// ellipsoid fits the picture. Lights scale with it. Ranges are in Hounsfield units for CT and by
 /// percentiles otherwise. A CT needs contrast agent for vessels (shows_contrast_agent()), teeth or
 /// similar bone for dense, and air for airways; other scans need parts much brighter than tissue
-/// for vessels. Whoever changes a look also raises the version in api/scans/thumbnails.cpp.
+/// for vessels. A change of a look must raise the version in api/scans/thumbnails.cpp.
 std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header, const Framing& framing,
                                               bool contrast_agent);
 /// Returns one preset, even if the volume can't show it well. Returns kNotFound for an unknown

@@ -4,9 +4,9 @@
 
 namespace diaphane::render {
 
-/// Whether two messages differ only in numbers: they have the same fields, lists of equal lengths,
-/// and the same names, choices and pictures. A number where 0 means "none" or "the usual" is 0 in
-/// both or in neither.
+/// Returns whether two messages differ only in numbers: they have the same fields, lists of equal
+/// lengths, and the same names, choices and pictures. A number where 0 means "none" or "the usual"
+/// is 0 in both or in neither.
 bool equal_in_kind(const google::protobuf::Message& a, const google::protobuf::Message& b);
 
 /// Interpolates each part of the scene that is equal in kind; `part` is 0 at `a` and 1 at `b`. All

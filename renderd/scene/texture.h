@@ -19,7 +19,7 @@ struct TextureSize {
   friend bool operator==(const TextureSize&, const TextureSize&) = default;
 };
 
-/// Rows from the top, in one of two forms.
+/// A decoded picture in one of two forms. The rows begin at the top.
 struct TexturePicture {
   TextureSize size;
   std::vector<std::uint8_t> rgb;  ///< 8-bit sRGB, interleaved
@@ -27,16 +27,16 @@ struct TexturePicture {
 };
 
 /// Reads the size from the header of a PNG or JPEG file, or of an environment in its stored form
-/// (scene/environment_file.h), without decoding it. Fails with kInvalid
-/// for a file that is not such a picture or is too large, and with kUnsupported for a format that
-/// this build does not contain. Errors do not name a field.
+/// (scene/environment_file.h), without decoding it. Fails with kInvalid for a file that is not such
+/// a picture or is too large, and with kUnsupported for a format that this build does not contain.
+/// Errors do not name a field.
 Result<TextureSize> texture_size(std::string_view file);
 
 /// Decodes a picture. Fails like texture_size(), and with kInvalid for a damaged file. Transparent
 /// pixels become black, because they must not emit light. 16 bits per colour are rounded to 8.
 Result<TexturePicture> decode_texture(std::string_view file);
 
-/// Linear values from 0 to 1 of sRGB (IEC 61966-2-1) from 0 to 255.
+/// Returns the linear values from 0 to 1 of the sRGB values (IEC 61966-2-1) from 0 to 255.
 const std::array<float, 256>& linear_of_srgb();
 
 }  // namespace diaphane::render

@@ -10,7 +10,7 @@
 #include "renderd/scene/light_textures.h"
 
 /// The memory of this process for decoded textures. The limit applies to the whole process, because
-/// sessions, stills, films and pictures for other workers all decode textures.
+/// sessions, stills, files and pictures for other workers all decode textures.
 namespace diaphane::render {
 
 /// Limit in bytes for the textures of all scenes together, unless limit_texture_memory() changes
@@ -33,8 +33,8 @@ std::size_t take_freed_texture_memory();
 /// Returns the bytes that the pictures on a scene's lights take when decoded, including their
 /// files. Decodes nothing. Errors name the field.
 Result<std::size_t> bytes_of_textures(const std::vector<TextureFile>& files);
-/// Fails with kInvalid and the name of the field if there are more pixels than a visitor's scene
-/// may have.
+/// Checks the textures of a visitor's scene. Fails with kInvalid and the name of the field if they
+/// have too many pixels.
 Result<void> check_visitors_textures(const std::vector<TextureFile>& files);
 
 /// Like prepare_textures(), for `owner`. If that is empty, only the limit for all scenes applies.

@@ -128,7 +128,7 @@ void bake(const diaphane::v1::TransferFunction& function, double minimum, double
 
 Double3 double_colour_of(const diaphane::v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
 
-/// Whether an enabled channel has some of the colour that `colour` returns.
+/// Returns whether an enabled channel has some of the colour that `colour` returns.
 template <typename Colour>
 bool has_some(const diaphane::v1::TransferFunction& function, const Colour& colour) {
   return std::any_of(function.channels().begin(), function.channels().end(),

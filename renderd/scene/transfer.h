@@ -16,7 +16,7 @@ struct PreparedTransfer {
   std::vector<float> extinction;  ///< as TransferView::extinction, with its maxima
   std::vector<Float4> colour;     ///< as TransferView::colour, `count` entries
   std::vector<Float4> gloss;      ///< as TransferView::gloss; empty if no channel has a lobe
-  std::vector<Float4> emission;   ///< as TransferView::emission; empty if none glows
+  std::vector<Float4> emission;   ///< as TransferView::emission; empty if no channel glows
   std::int32_t count = 0;         ///< as in TransferView, like the three below
   float scale = 0, offset = 0, margin = 0;
   float densest = 0;               ///< largest extinction, per mm
@@ -24,10 +24,11 @@ struct PreparedTransfer {
   Int3 cells{};                    ///< GridView::size
   std::vector<CellBounds> bounds;  ///< GridView::cells
   Box occupied{};                  ///< GridView::occupied
-  ExactTables exact;  ///< for the exact walk; without pieces if there would be too many
+  ExactTables exact;  ///< tables of the exact walk; without pieces if there would be too many
 };
 
-/// Whether the bounds of some macrocell are so far apart that a ray may need many steps in it.
+/// Returns whether the bounds of some macrocell are so far apart that a ray may need many steps in
+/// it.
 bool is_steep(const std::vector<CellBounds>& bounds, Float3 spacing);
 /// Returns GridView::occupied. `size` is in voxels.
 Box occupied_box(const std::vector<CellBounds>& bounds, Int3 cells, Int3 size);

@@ -82,8 +82,8 @@ Pose mix(const Pose& a, const Pose& b, double part) {
           slerp(a.rotation, b.rotation, part)};
 }
 
-/// Returns the distance of two views, as the motion in the picture relative to the distance of the
-/// camera.
+/// Returns the distance between two views, as the motion in the picture relative to the distance of
+/// the camera.
 double apart(const Pose& a, const Pose& b) {
   const double distance = std::exp((a.log_distance + b.log_distance) / 2);
   const double angle = 2 * std::acos(std::min(1.0, std::abs(dot(a.rotation, b.rotation))));

@@ -32,7 +32,7 @@ diaphane::v1::Scene turned_about_target(const diaphane::v1::Scene& scene, double
 /// points). Otherwise it changes halfway.
 diaphane::v1::Scene on_tour(const std::vector<diaphane::v1::Scene>& keys, double at);
 
-/// Fails with kInvalid and the name of what is wrong with the order or with one of its key views.
+/// Checks the request of a video. Fails with kInvalid and the name of the wrong field or key view.
 Result<void> check_video(const diaphane::v1::Video& video,
                          const std::vector<diaphane::v1::Scene>& keys);
 

@@ -3,7 +3,7 @@
 namespace diaphane::render {
 namespace {
 
-/// Longer than the interval between the inputs of a drag.
+/// Seconds, longer than the interval between the inputs of a drag.
 constexpr double kSilentSeconds = 0.02;
 constexpr double kGapSeconds = 0.03;
 constexpr double kSilentGapSeconds = 0.01;

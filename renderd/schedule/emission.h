@@ -7,7 +7,7 @@ namespace diaphane::render {
 /// Input of should_emit().
 struct EmissionInput {
   std::uint64_t samples = 0;        ///< per pixel, accumulated so far
-  std::uint64_t samples_shown = 0;  ///< in the last picture of this epoch; 0: none yet
+  std::uint64_t samples_shown = 0;  ///< samples in the last picture of this epoch; 0: none yet
   double seconds_since_frame = 0;   ///< since the last picture of any epoch
   double seconds_since_input = 0;
   bool moving = false;

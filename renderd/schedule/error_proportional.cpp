@@ -7,7 +7,7 @@
 namespace diaphane::render {
 namespace {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): a bijection whose outputs pass as random.
+/// Returns pseudo-random bits: SplitMix64 (Steele, Lea, Flood 2014), a bijection.
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;

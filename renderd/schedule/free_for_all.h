@@ -4,8 +4,8 @@
 
 namespace diaphane::render {
 
-/// Every session that gains renders at once, regardless of the others. This is a baseline of the
-/// thesis (5.1.1: "let each render node work as fast as it can"). The device alone decides the
+/// Lets every session that gains render at once, regardless of the others. This is a baseline of
+/// the thesis (5.1.1: "let each render node work as fast as it can"). The device alone decides the
 /// order, so an input waits for as many quanta as there are sessions.
 class FreeForAll final : public Policy {
  public:

@@ -48,7 +48,7 @@ class InFlight {
 
   std::size_t count() const { return count_; }
   std::size_t rendering() const { return rendering_; }
-  /// Highest precedence of the quanta in flight; 0 if there are none.
+  /// Returns the highest precedence of the quanta in flight; 0 if there are none.
   unsigned highest() const {
     unsigned level = kHighestPrecedence;
     while (level > 0 && levels_[level].count == 0) --level;
@@ -56,7 +56,7 @@ class InFlight {
   }
   double filled() const { return filled_; }
 
-  /// The integral until `now`, in seconds, of the share of the device that one quantum of
+  /// Returns the integral until `now`, in seconds, of the share of the device that one quantum of
   /// `precedence` has. The quanta of the highest precedence in flight share the device evenly, and
   /// those of lower precedences pause, so their integrals do not advance. The difference between
   /// two values is the device time of a quantum between them. The device times of all quanta add up
@@ -66,7 +66,7 @@ class InFlight {
     pass(now);
     return levels_[precedence].own_seconds;
   }
-  /// Seconds until `now` during which at least one quantum was in flight.
+  /// Returns the seconds until `now` during which at least one quantum was in flight.
   double busy_seconds(Time now) {
     pass(now);
     return busy_seconds_;
@@ -94,10 +94,10 @@ class InFlight {
   double filled_ = 0, busy_seconds_ = 0;
 };
 
-/// Whether the device should get another quantum. Every device gets quanta until it is full. One
-/// that `queues` then gets one more, which waits behind the others, so that the device stays busy
-/// while the host handles the end of a quantum. The CPU engine does not queue, because it renders
-/// on the threads of the host.
+/// Returns whether the device should get another quantum. Every device gets quanta until it is
+/// full. One that `queues` then gets one more, which waits behind the others, so that the device
+/// stays busy while the host handles the end of a quantum. The CPU engine does not queue, because
+/// it renders on the threads of the host.
 inline bool room_for_another(const InFlight& in_flight, bool queues) {
   if (!queues) return in_flight.count() == 0 || in_flight.filled() < 1;
   return in_flight.filled() < 1 || in_flight.rendering() < 2;

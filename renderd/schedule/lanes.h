@@ -16,8 +16,8 @@ namespace diaphane::render {
 class Lanes {
  public:
   /// Runs at most `most` pieces of work at once, or one if `most` is 0. Further work waits in order
-  /// of arrival.
-  /// Unless `nice` is 0, the threads have that nice value and the cores of background work.
+  /// of arrival. Unless `nice` is 0, the threads have that nice value and the cores of background
+  /// work.
   explicit Lanes(std::size_t most, int nice = 0);
   /// Finishes all work that was started.
   ~Lanes();

@@ -15,7 +15,7 @@ double seconds_between(Ledger::Time from, Ledger::Time to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// Time constant of what a session used lately.
+/// Time constant with which recently used device time decays.
 constexpr double kLatelySeconds = 1;
 
 /// Applies the viewer's limits. A viewer can choose to stop earlier than the rules say, but not
@@ -28,7 +28,7 @@ LedgerRules content_with(const Effort& effort, LedgerRules rules) {
   return rules;
 }
 
-/// An exponential moving average with a weight of 0.4 for the new measurement.
+/// Returns an exponential moving average with a weight of 0.4 for the new measurement.
 double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 * now : now; }
 
 }  // namespace
@@ -72,7 +72,7 @@ void Ledger::refresh(ViewRequest requested, const DeviceCosts& device, const Led
   if (refused_size_ == planned_) planned_ = canvas_;
 }
 
-// Until a session has been measured, it is assumed to cost as much as the last one measured.
+// Returns the cost of the session, or that of the last measured session until it is measured.
 double Ledger::seconds_per_pixel(const DeviceCosts& device) const {
   return seconds_per_pixel_ > 0 ? seconds_per_pixel_ : device.seconds_per_pixel;
 }
@@ -92,8 +92,8 @@ bool Ledger::converged(const LedgerRules& device_rules) const {
 
 bool Ledger::interruptible() const { return may_interrupt(began_moving_, samples_shown_ > 0); }
 
-// The end of a gesture means rest at once, without waiting for silence. Only its preview is as
-// urgent as a moving picture.
+// Returns the seconds without input. The end of a gesture counts as rest at once, except for its
+// preview, which is as urgent as a moving picture.
 double Ledger::silence(Time now) const {
   const double seconds = seconds_between(requested_.last_input, now);
   return requested_.rest && !preview_ ? std::max(seconds, kRestSeconds) : seconds;

@@ -11,7 +11,8 @@ namespace diaphane::render {
 /// Rules that apply to every session of a device.
 struct LedgerRules {
   double target_error = 0.01;         ///< relative RMSE at which a picture counts as converged
-  std::uint64_t fewest_samples = 16;  ///< with fewer the error estimate is too unreliable to stop
+  std::uint64_t fewest_samples = 16;  ///< below this number the error estimate is too unreliable to
+                                      ///< stop
   std::uint64_t most_samples = 1 << 20;
   /// Number of pixel samples in flight that keep the device busy; 0: any number does.
   double device_parallel = 0;
@@ -19,8 +20,8 @@ struct LedgerRules {
 
 /// Costs last measured on a device for any session. A new session starts from them.
 struct DeviceCosts {
-  double seconds_per_pixel = 0;     ///< of one sample per pixel; 0: unknown
-  double seconds_first = 0;         ///< of a new epoch without its samples; 0: unknown
+  double seconds_per_pixel = 0;     ///< cost of one sample per pixel; 0: unknown
+  double seconds_first = 0;         ///< cost of a new epoch without its samples; 0: unknown
   std::size_t moving_sessions = 0;  ///< as of the last call of Runner::refresh_views()
 };
 
@@ -53,13 +54,13 @@ class Ledger {
   /// Records that a picture was shown; making it took `seconds`.
   void shown(double seconds, DeviceCosts& device, Time now);
 
-  /// Whether the film does not hold the requested view.
+  /// Returns whether the film does not hold the requested view.
   bool stale() const {
     return requested_.scene && (applied_version_ != requested_.version || planned_ != canvas_);
   }
   bool has_picture() const { return applied_version_.has_value(); }
   bool converged(const LedgerRules& rules) const;
-  /// Whether newer input may interrupt the quantum in flight.
+  /// Returns whether newer input may interrupt the quantum in flight.
   bool interruptible() const;
 
   const ViewRequest& requested() const { return requested_; }
@@ -70,10 +71,10 @@ class Ledger {
   std::uint64_t applied_version() const { return applied_version_.value_or(0); }
   std::uint64_t input_seq() const { return input_seq_; }  ///< newest input that the film shows
   std::uint64_t samples_shown() const { return samples_shown_; }
-  /// Whether the next picture is one of a gesture or the preview of a picture at rest: small,
-  /// urgent and encoded for speed.
+  /// Returns whether the next picture is one of a gesture or the preview of a picture at rest:
+  /// small, urgent and encoded for speed.
   bool moving() const { return in_gesture_ || preview_; }
-  /// Seconds that preparing the film's scene took.
+  /// Returns the seconds that preparing the film's scene took.
   double scene_seconds() const { return scene_seconds_; }
 
  private:
@@ -105,7 +106,7 @@ class Ledger {
   // Costs of this session.
   double seconds_per_pixel_ = 0;          // of the first samples of a picture
   double refined_seconds_per_pixel_ = 0;  // of those after a draft (Batch::refined)
-  bool refining_ = false;                 // the last batch was one of those
+  bool refining_ = false;                 // whether the last batch had such samples
   double noise_ = 0;
   double scene_seconds_ = 0;
   double first_seconds_ = 0;
@@ -118,9 +119,9 @@ class Ledger {
   Time shown_at_{};
 };
 
-/// Whether newer input may interrupt a quantum. It may always do so, except during the first
-/// picture of a moving epoch. Input arrives faster than a slow device renders, so a picture that
-/// restarted with each input would never be shown.
+/// Returns whether newer input may interrupt a quantum. It may always do so, except during the
+/// first picture of a moving epoch. Input arrives faster than a slow device renders, so a picture
+/// that restarted with each input would never be shown.
 bool may_interrupt(bool began_moving, bool shown);
 
 }  // namespace diaphane::render

@@ -111,8 +111,8 @@ std::vector<Quantum> MarginalGain::overtaking(std::span<const SessionView> sessi
   return choose(sessions, highest);
 }
 
-// Whoever stops moving waits for the picture just as much as during the drag. The limit keeps a
-// session whose inputs never end from stopping all others: drags are paced, other inputs are not.
+// A user who ends a drag waits for the picture just as much as during the drag. The limit keeps a
+// session whose inputs never end from stopping all others, because only drags are paced.
 bool MarginalGain::may_overtake(const SessionView& session, unsigned above) const {
   if (session.samples > 0 || first_picture_precedence(session) <= above) return false;
   if (session.seconds_since_input < options_.moving_seconds) return true;
@@ -145,7 +145,7 @@ std::vector<Quantum> MarginalGain::choose(std::span<const SessionView> sessions,
           (!keeps_deadline || session.seconds_unanswered < spare)) {
         return {Rank::kPaced, -session.seconds_since_begun, &session};
       }
-      // Whoever used the device less comes first, as in weighted fair queueing.
+      // Sessions that recently used less of the device come first, as in weighted fair queueing.
       const double deadline = options_.deadline_seconds + session.seconds_lately;
       return {Rank::kDue, deadline - session.seconds_unanswered, &session};
     }

@@ -62,13 +62,13 @@ class MarginalGain final : public Policy {
   std::vector<Quantum> next(std::span<const SessionView> sessions) override;
   std::vector<Quantum> overtaking(std::span<const SessionView> sessions, unsigned highest) override;
 
-  /// Error removed per second, multiplied by the expected stay in seconds: the criterion of step 2.
+  /// Returns the error removed per second, times the expected stay in seconds, as in step 2.
   double gain(const SessionView& session) const;
 
  private:
   bool may_overtake(const SessionView& session, unsigned above) const;
-  /// If `above` is set, considers only first pictures that are due, answer an input and have a
-  /// precedence above it.
+  /// Returns the quanta to begin. If `above` is set, considers only first pictures that are due,
+  /// answer an input and have a precedence above it.
   std::vector<Quantum> choose(std::span<const SessionView> sessions,
                               std::optional<unsigned> above) const;
 

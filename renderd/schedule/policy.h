@@ -22,17 +22,17 @@ struct SessionView {
   double seconds_per_sample = 0;  ///< measured cost of one sample per pixel; 0: unknown
   double seconds_first = 0;  ///< measured cost of a new epoch without its samples (scene, picture)
   double fill = 1;           ///< share of the device that one sample per pixel keeps busy, 0 to 1
-  /// Since the last input; at least kRestSeconds if that one ended its gesture.
+  /// Seconds since the last input; at least kRestSeconds if that one ended its gesture.
   double seconds_since_input = 0;
   double seconds_unanswered = 0;   ///< since the oldest input that no frame shows; 0: there is none
   double seconds_since_frame = 0;  ///< since the last frame was handed to the encoder
   double seconds_since_begun = 0;  ///< since the film was last cleared for new input
-  /// Device time that its first pictures took lately; a second later 37% of it counts.
+  /// Device time that its first pictures took recently; it decays to 37% within a second.
   double seconds_lately = 0;
-  /// Since its last quantum, or since it began to gain if that was later.
+  /// Seconds since its last quantum, or since it began to gain if that was later.
   double seconds_waiting = 0;
   bool visible = true;      ///< a viewer is attached and the picture is on their screen
-  bool wants_frame = true;  ///< its encoder slot is free and the connection keeps up
+  bool wants_frame = true;  ///< whether its encoder slot is free and the connection keeps up
   bool visitor = false;     ///< belongs to a user without an account (VisitorShare)
   bool under_way = false;   ///< a quantum of it is in flight; this view was taken before that began
 };
@@ -60,18 +60,18 @@ class Policy {
   }
 };
 
-/// Whether another sample would improve a picture that someone sees: it is visible and has not
-/// reached its target error.
+/// Returns whether another sample would improve a picture that someone sees: it is visible and has
+/// not reached its target error.
 bool gains(const SessionView& session);
 
-/// Whether the session gains and has no quantum in flight.
+/// Returns whether the session gains and has no quantum in flight.
 bool waits(const SessionView& session);
 
-/// Precedence on the CPU of the first picture after an input; everything else has 0. It is 1
-/// if the picture and those before it (`seconds_lately`) take 0.25 s or more, or an unknown time.
-/// It rises by one for each factor of four below that, up to kHighestPrecedence. So a small picture
-/// does not wait for large ones, and a user with a large window, an expensive scene or many inputs
-/// does not slow down others.
+/// Returns the precedence on the CPU of the first picture after an input; everything else has 0. It
+/// is 1 if the picture and those before it (`seconds_lately`) take 0.25 s or more, or an unknown
+/// time. It rises by one for each factor of four below that, up to kHighestPrecedence. So a small
+/// picture does not wait for large ones, and a user with a large window, an expensive scene or many
+/// inputs does not slow down others.
 unsigned first_picture_precedence(const SessionView& session);
 inline constexpr unsigned kHighestPrecedence = 7;
 
@@ -94,12 +94,13 @@ struct QuantumLimits {
   std::uint32_t max_samples = 1024;
 };
 
-/// Number of samples that fit into `seconds`: at least one, at most `most`; one if the cost is
-/// unknown.
+/// Returns the number of samples that fit into `seconds`: at least one, at most `most`; one if the
+/// cost is unknown.
 std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uint64_t most);
-/// `limits`, with the calm length of a quantum if no visible session has had input for a moment.
+/// Returns `limits`, with the calm length of a quantum if no visible session has had input
+/// recently.
 QuantumLimits limits_for(std::span<const SessionView> sessions, const QuantumLimits& limits);
-/// The samples of a session's next quantum under `limits`.
+/// Returns the number of samples of a session's next quantum under `limits`.
 std::uint32_t quantum_samples(const SessionView& session, const QuantumLimits& limits);
 
 enum class PolicyKind { kMarginalGain, kErrorProportional, kRoundRobin, kFreeForAll };
@@ -110,7 +111,7 @@ inline constexpr std::array kPolicyKinds{PolicyKind::kMarginalGain, PolicyKind::
 /// Returns "marginal-gain", "error-proportional", "round-robin" or "free-for-all".
 std::string_view policy_name(PolicyKind kind);
 std::optional<PolicyKind> policy_kind(std::string_view name);
-/// `seed` is for the random draws of PolicyKind::kErrorProportional.
+/// Creates a policy. `seed` is for the random draws of PolicyKind::kErrorProportional.
 std::unique_ptr<Policy> make_policy(PolicyKind kind, const QuantumLimits& limits = {},
                                     std::uint64_t seed = 1);
 

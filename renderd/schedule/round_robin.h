@@ -4,7 +4,7 @@
 
 namespace diaphane::render {
 
-/// Every session that gains gets one quantum in turn, in the order of the handles. This is a
+/// Gives every session that gains one quantum in turn, in the order of the handles. This is a
 /// baseline of the thesis (5.1.1: "every render node starts when the previous one finishes").
 class RoundRobin final : public Policy {
  public:

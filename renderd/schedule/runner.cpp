@@ -15,7 +15,7 @@ using Seconds = std::chrono::duration<double>;
 constexpr double kLongestStillSeconds = 0.25;
 /// CPU priority of background work.
 constexpr int kBackgroundNice = 10;
-/// Paused work keeps its lane, so there is one for each session.
+/// Maximum number of background lanes. Paused work keeps its lane, so each session needs one.
 constexpr std::size_t kMostBackground = 256;
 
 bool first_picture(const Ledger& ledger) { return ledger.stale() || ledger.samples_shown() == 0; }
@@ -140,8 +140,8 @@ void Runner::adopt() {
   std::erase_if(known_, gone);
 }
 
-// Called after collect(), because a session that renders has hardly ever no quantum in flight
-// otherwise.
+// Called right after collect(), because a busy session is hardly ever without a quantum in flight
+// at any other time.
 void Runner::take_next_renderers() {
   std::vector<std::unique_ptr<FrameRenderer>> replaced;  // destroyed outside the lock
   const std::lock_guard lock(mutex_);
@@ -310,8 +310,8 @@ bool Runner::step() {
   return quanta.empty() ? room && begin_still() : true;
 }
 
-// Work in flight has to end before its session can begin the picture of a newer input. It would
-// wait for other sessions' first pictures if it did not get the precedence of its own.
+// Raises the precedence of work in flight if a newer input of its session waits for its end.
+// Otherwise the input would wait for the first pictures of other sessions.
 void Runner::raise_if_awaited(SessionEntry& entry) {
   if (options_.device_queues || entry.client->version() == entry.version_under_way) return;
   const unsigned precedence = first_picture_precedence(entry.last_view);

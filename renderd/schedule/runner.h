@@ -92,23 +92,24 @@ class Runner {
   /// Stops rendering for a client. Returns immediately; a quantum in flight is interrupted and its
   /// result discarded.
   void remove(std::uint64_t handle);
-  /// Announces that RenderClient::requested() of a client has changed.
+  /// Wakes the thread, because RenderClient::requested() of a client has changed.
   void wake();
   void submit(StillJob job);
   /// Ends the thread. Nothing is rendered afterwards, and remaining stills end with kUnavailable.
   /// Idempotent.
   void stop();
 
-  /// Seconds since the start during which at least one quantum was in flight. The heartbeat reports
-  /// the load from it.
+  /// Returns the seconds since the start during which at least one quantum was in flight. The
+  /// heartbeat reports the load from it.
   double busy_seconds() const;
   RunnerTimes times() const;
-  /// Sum of the errors of all visible pictures, each at most 1: a measure of the work that is left.
+  /// Returns the sum of the errors of all visible pictures, each at most 1, as a measure of the
+  /// remaining work.
   double summed_error() const { return error_; }
-  /// Number of this worker's own sessions that have not converged; sessions rendered for other
-  /// workers do not count.
+  /// Returns the number of this worker's own sessions that have not converged; sessions rendered
+  /// for other workers do not count.
   std::size_t waiting() const { return waiting_; }
-  /// Progress of each quantum and picture in flight, for a watchdog.
+  /// Returns the progress of each quantum and picture in flight, for a watchdog.
   const ProgressMonitor& progress() const { return progress_; }
 
  private:

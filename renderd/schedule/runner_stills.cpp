@@ -5,7 +5,7 @@
 
 namespace diaphane::render {
 
-// A cancelled still is dropped early because it holds the memory of a film.
+// Drops cancelled stills early, because each holds the memory of a film.
 void Runner::drop_cancelled_stills() {
   if (still_under_way_) return;
   std::erase_if(stills_,

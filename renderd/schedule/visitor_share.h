@@ -21,8 +21,8 @@ class VisitorShare final : public Policy {
   std::vector<Quantum> next(std::span<const SessionView> sessions) override;
   std::vector<Quantum> overtaking(std::span<const SessionView> sessions, unsigned highest) override;
 
-  /// Seconds that visitors are ahead of their share (negative) or behind it (positive). They wait
-  /// while it is negative.
+  /// Returns the seconds by which visitors are behind their share (positive) or ahead of it
+  /// (negative). They wait while it is negative.
   double credit() const { return credit_; }
 
  private:

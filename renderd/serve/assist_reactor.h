@@ -12,8 +12,8 @@
 
 namespace diaphane::render {
 
-/// A part counts as sent when the other side acknowledges it, so the queue holds the bands of at
-/// most one part.
+/// The writing side of one Assist call. A part counts as sent when the other side acknowledges it,
+/// so the queue holds the bands of at most one part.
 class AssistStream final : public AssistLink,
                            public ReplyQueue<v1::AssistRequest, v1::AssistReply> {
  public:
@@ -38,7 +38,7 @@ class AssistStream final : public AssistLink,
   }
 };
 
-/// Deletes itself when gRPC is done with it. If `host` is null, this worker assists no other.
+/// One Assist call. Deletes itself when gRPC is done with it. If `host` is null, it is refused.
 class AssistReactor final : public AssistStream::Reactor {
  public:
   explicit AssistReactor(AssistHost* host) : stream_(std::make_shared<AssistStream>(this)) {

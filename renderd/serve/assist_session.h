@@ -32,7 +32,7 @@ class AssistHost {
       : options_(options), homes_(homes), volumes_(volumes) {}
 
   class Session;
-  /// kTooMany. kUnavailable while draining.
+  /// Opens a session. Fails with kTooMany if no more fit, and with kUnavailable while draining.
   Result<std::shared_ptr<Session>> open(std::shared_ptr<AssistLink> link);
   /// Ends all sessions and refuses new ones.
   void end_all();
@@ -58,13 +58,13 @@ class AssistHost::Session final : public RenderClient,
   Session(AssistHost& host, std::shared_ptr<AssistLink> link)
       : host_(host), home_(host.homes_.take()), link_(std::move(link)) {}
 
-  /// An invalid message ends the connection with kInvalid.
+  /// Handles a message. An invalid one ends the connection with kInvalid.
   void receive(const diaphane::v1::AssistRequest& request);
   /// To be called when the connection has ended. Idempotent.
   void closed();
   void end(const Error& why);
 
-  // RenderClient
+  // Implementation of RenderClient:
   bool of_another_worker() const override { return true; }
   ViewRequest requested() override;
   std::uint64_t version() const noexcept override { return version_; }
@@ -90,7 +90,7 @@ class AssistHost::Session final : public RenderClient,
   std::mutex mutex_;
   std::shared_ptr<AssistLink> link_;  ///< null: closed
   bool opened_ = false;
-  std::uint64_t handle_ = 0;  ///< in the runner; 0: not added yet
+  std::uint64_t handle_ = 0;  ///< handle in the runner; 0: not added yet
 };
 
 }  // namespace diaphane::render

@@ -33,19 +33,20 @@ class CapacityBroker {
     std::string worker_id;
     std::string incarnation;
     std::string address;  ///< address at which peers reach this worker
-    std::string node;     ///< as in directory::Heartbeat
+    std::string node;     ///< directory::Heartbeat::node
     std::string owner;    ///< only workers of the same fleet help each other
     directory::LendingRules rules;
     std::chrono::milliseconds period{1000};
-    std::function<double()> busy_seconds;  ///< of the device, since the start
-    std::function<double()> lent_seconds;  ///< of these, for other workers' pictures
+    std::function<double()> busy_seconds;  ///< busy time of the device since the start
+    std::function<double()> lent_seconds;  ///< part of the busy time spent on other workers'
+                                           ///< pictures
     std::function<double()> waiting;       ///< sessions per device that have not converged
     std::function<std::vector<std::string>()> volumes;  ///< loaded volumes
     std::function<void(std::size_t borrowed)> updated;  ///< called after each update
   };
 
-  /// If `helpers` is null, no peers are borrowed and only lent capacity is reported. `redis` and
-  /// `helpers` must outlive this object.
+  /// Starts to borrow and to report. If `helpers` is null, no peers are borrowed and only lent
+  /// capacity is reported. `redis` and `helpers` must outlive this object.
   CapacityBroker(Options options, directory::Client& redis, GrpcAssistants* helpers);
   /// Releases all borrowed workers.
   ~CapacityBroker();
@@ -81,7 +82,7 @@ class CapacityBroker {
   std::size_t ticks_ = 0;
   bool lent_reported_ = false;
   Lending lending_;
-  std::map<std::string, std::string> addresses_;      ///< of the peers in the last answer
+  std::map<std::string, std::string> addresses_;      ///< addresses of the peers in the last answer
   std::map<std::string, Clock::time_point> avoided_;  ///< peers to avoid, by id, and until when
   std::mt19937_64 random_{std::random_device{}()};
   std::thread thread_;

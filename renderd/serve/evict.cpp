@@ -13,7 +13,7 @@ Rank rank_of(const SlotHolder& holder) {
   return holder.abandoned_for ? Rank::kAbandoned : Rank::kStays;
 }
 
-/// Sorts the holder to evict first to the front.
+/// Returns a key that sorts the holder to evict first to the front.
 auto order_of(const SlotHolder& holder) {
   return std::tuple(rank_of(holder), -holder.abandoned_for.value_or(holder.age));
 }

@@ -10,8 +10,8 @@ namespace diaphane::render {
 /// A session that holds a slot, with the data for the decision below.
 struct SlotHolder {
   std::string id;
-  bool visitor = false;      ///< of a visitor, or a guest's free camera
-  bool free_camera = false;  ///< its viewer can return to the group's picture
+  bool visitor = false;      ///< whether it belongs to a visitor or is a guest's free camera
+  bool free_camera = false;  ///< whether its viewer can return to the group's picture
   std::optional<std::chrono::steady_clock::duration> abandoned_for;  ///< nullopt: it has a viewer
   std::chrono::steady_clock::duration age{};
 };

@@ -14,7 +14,7 @@ class ExpectedLoad {
  public:
   struct Usage {
     std::string id;
-    /// Since the session began; the times of concurrent sessions overlap.
+    /// Device time since the session began; the times of concurrent sessions overlap.
     double device_seconds = 0;
   };
 

@@ -16,7 +16,7 @@ namespace {
 namespace v1 = diaphane::v1;
 
 constexpr std::uint32_t kMostSamples = 1 << 16;
-// with fewer samples, the error estimate is unreliable
+// With fewer samples, the error estimate is unreliable.
 constexpr std::uint32_t kFewestSamples = 16;
 /// Largest side of the small picture that predicts the samples of a large one.
 constexpr std::uint32_t kTrialSide = 768;

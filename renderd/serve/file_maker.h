@@ -27,7 +27,7 @@ struct FileStep {
 class FileMaker {
  public:
   virtual ~FileMaker() = default;
-  /// Returns nullopt when all pictures have been taken.
+  /// Returns the next picture to render, or nullopt when all pictures have been taken.
   virtual std::optional<FileStep> next() = 0;
   /// Takes the picture of the last step and its number of samples. Returns the bytes of the file
   /// that are ready.
@@ -38,13 +38,14 @@ class FileMaker {
   virtual double done() const = 0;
 };
 
-/// Returns the number of rows per band of a large picture, small enough for a small video and short
+/// Returns the number of rows per band of a large picture, small enough for a small film and short
 /// samples.
 std::uint32_t band_rows(Canvas picture);
 
 inline constexpr std::uint64_t kBandPixels = std::uint64_t{1} << 20;
 
-/// kInvalid names the invalid field of the order (FileRequest) or of its key views.
+/// Creates the maker of a file. Fails with kInvalid, naming a field of the request or its key
+/// views.
 Result<std::unique_ptr<FileMaker>> make_file_maker(const diaphane::v1::FileRequest& request,
                                                    std::vector<diaphane::v1::Scene> keys,
                                                    FileMarks marks = {});

@@ -27,15 +27,15 @@ class FileSink {
   virtual ~FileSink() = default;
   virtual void progress(double done) = 0;
   virtual void part(std::uint64_t seq, std::string bytes, bool last) = 0;
-  /// The file could not be made.
+  /// Reports that the file could not be made.
   virtual void ended(const Error& why) = 0;
 };
 
-/// Makes and sends one file. Its pictures are rendered one by one with the lowest priority, encoded
-/// in the pool, and sent as fast as the receiver takes them. Thread-safe.
+/// Makes and sends one file. Its pictures are rendered one by one as stills of the lowest rank,
+/// encoded in the pool, and sent as fast as the receiver takes them. Thread-safe.
 class FileWork : public std::enable_shared_from_this<FileWork> {
  public:
-  /// `took` receives the device seconds to charge. All arguments outlive this object.
+  /// `took` receives the device seconds to charge. `runner` and `pool` must outlive this object.
   FileWork(Runner& runner, EncodePool& pool, std::shared_ptr<FrameRenderer> renderer,
            std::unique_ptr<FileMaker> maker, std::weak_ptr<FileSink> sink,
            std::function<void(double seconds)> took);
@@ -58,7 +58,7 @@ class FileWork : public std::enable_shared_from_this<FileWork> {
   Runner& runner_;
   EncodePool& pool_;
   const std::shared_ptr<FrameRenderer> renderer_;
-  // used by one thread at a time: first the lane, then the pool
+  // Used by one thread at a time: first the lane, then the pool.
   const std::unique_ptr<FileMaker> maker_;
   const std::weak_ptr<FileSink> sink_;
   const std::function<void(double)> took_;
@@ -69,7 +69,7 @@ class FileWork : public std::enable_shared_from_this<FileWork> {
   std::mutex mutex_;
   std::size_t unsent() const { return ready_.size() - cut_; }
   std::string ready_;
-  std::size_t cut_ = 0;    // bytes of that in parts
+  std::size_t cut_ = 0;    // bytes of `ready_` that are in parts
   bool complete_ = false;  // no bytes follow the ready ones
   bool paused_ = false;    // too many bytes are ready
   std::uint64_t sent_ = 0, taken_ = 0;

@@ -11,7 +11,7 @@ namespace diaphane::render {
 /// (docs/contracts.md, "Render time"). Thread-safe.
 class GpuTimeMeter {
  public:
-  /// Microseconds by user.
+  /// Time by user: microseconds in this object, milliseconds in reports.
   using Account = std::map<std::string, std::uint64_t>;
 
   void add(const std::string& user_id, double seconds) {

@@ -43,7 +43,7 @@ v1::AssistRequest request_of(const AssistTask& task) {
   return request;
 }
 
-/// Returns nullopt for an invalid band.
+/// Converts a received band. Returns nullopt if it is invalid.
 std::optional<AssistPart> part_of(const v1::AssistBand& band) {
   if (band.width() == 0 || band.width() > kLongestCanvas || band.rows() > kLongestCanvas) {
     return std::nullopt;
@@ -63,15 +63,15 @@ std::optional<AssistPart> part_of(const v1::AssistBand& band) {
   return part;
 }
 
-/// The received bands and the queue of messages of one connection. Used by the compositor's thread
-/// and by gRPC's threads.
+/// The received bands and the state of one connection. Used by the compositor's thread and by
+/// gRPC's threads.
 class Exchange {
  public:
   void put(AssistPart part, bool last) {
     const std::lock_guard lock(mutex_);
     parts_.emplace_back(std::move(part), last);
   }
-  /// Also returns whether it was the last band of its part.
+  /// Returns the oldest band and whether it was the last of its part, or nullopt.
   std::optional<std::pair<AssistPart, bool>> take() {
     const std::lock_guard lock(mutex_);
     if (parts_.empty()) return std::nullopt;
@@ -93,7 +93,7 @@ class Exchange {
 struct AssistPeer {
   std::string address;
   std::unique_ptr<v1::RenderWorker::Stub> stub;
-  /// A call ended before it was ready, for another reason than too many sessions.
+  /// Whether a call ended before the worker was ready, for another reason than too many sessions.
   std::atomic<bool> refuses{false};
 
   void began(grpc::ClientContext* call) {
@@ -113,7 +113,7 @@ struct AssistPeer {
     --calls_;
     changed_.notify_all();
   }
-  /// Whether there are other calls than the one that is ending.
+  /// Returns whether there are other calls than the one that is ending.
   bool has_others() {
     const std::lock_guard lock(mutex_);
     return calls_ > 1;
@@ -124,7 +124,7 @@ struct AssistPeer {
     left_ = true;
     for (grpc::ClientContext* call : contexts_) call->TryCancel();
   }
-  /// Whether all calls have ended after leave().
+  /// Returns whether all calls have ended after leave().
   bool gone() {
     const std::lock_guard lock(mutex_);
     return left_ && calls_ == 0;
@@ -142,9 +142,9 @@ struct AssistPeer {
   bool left_ = false;
 };
 
-/// Where a session's assistant finds the worker that it represents.
+/// The worker that a session's assistant represents, which may change.
 struct AssistSlot {
-  bool always = false;  ///< permanent: the same worker, retried after failures
+  bool always = false;  ///< whether the worker stays the same and is retried after failures
 
   std::shared_ptr<AssistPeer> peer() const {
     const std::lock_guard lock(mutex_);
@@ -162,15 +162,15 @@ struct AssistSlot {
 
 namespace {
 
-/// One Assist call on the calling side. Deletes itself when gRPC is done with it. Its user holds
-/// `Call`, which is notified.
+/// One Assist call on the calling side. Deletes itself when gRPC is done with it, which is never
+/// before leave() was called.
 class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::AssistReply> {
  public:
   CallReactor(std::shared_ptr<AssistPeer> peer, const AssistOrder& order,
               std::shared_ptr<Exchange> exchange)
       : peer_(std::move(peer)), exchange_(std::move(exchange)) {
     peer_->stub->async()->Assist(&context_, this);
-    // Held while requests may be written from outside gRPC's callbacks.
+    // Keeps the call open while requests may be written from outside gRPC's callbacks.
     AddHold();
     v1::AssistRequest open;
     open.mutable_open()->set_volume_id(order.volume_id);
@@ -183,7 +183,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     peer_->began(&context_);
   }
 
-  /// Replaces a task that was not sent yet.
+  /// Sends a request. A task replaces one that was not sent yet.
   void send(v1::AssistRequest request) {
     const std::lock_guard lock(mutex_);
     if (closing_) return;
@@ -383,8 +383,8 @@ GrpcAssistants::~GrpcAssistants() {
 std::shared_ptr<AssistPeer> GrpcAssistants::open(const std::string& address) const {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
-  // Detects a worker that vanished without closing the connection within 5 s, and reconnects every
-  // second.
+  // Detects within 15 s that a worker vanished without closing the connection, and then tries to
+  // reconnect every second.
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);

@@ -37,10 +37,10 @@ class GrpcAssistants final : public AssistSource {
   /// listed.
   void borrow(const std::vector<std::string>& addresses);
   std::vector<std::string> borrowed() const;  ///< their addresses
-  /// Returns those of them that refused or were unreachable. They are not tried again until they
-  /// have been removed and added.
+  /// Returns the borrowed workers that refused or were unreachable. They are not tried again until
+  /// they have been removed and added.
   std::vector<std::string> refusing() const;
-  /// Returns the time that other workers spent, as they report it.
+  /// Returns the seconds that other workers spent on this worker's pictures, as they report them.
   double helped_seconds() const { return *helped_seconds_; }
 
  private:

@@ -26,10 +26,10 @@ using std::chrono::steady_clock;
 // does not read.
 constexpr std::size_t kMostQueued = 64;
 constexpr std::chrono::seconds kFlushTime{2};
-// Covers TLS and the start of HTTP/2. gRPC's default is two minutes.
+// Time limit for TLS and the start of HTTP/2. gRPC's default is two minutes.
 constexpr int kHandshakeMs = 10'000;
-// Far more than gateways, apis and other workers need when they all reconnect at once, and few
-// enough for a limit of 1,024 open files.
+// Limits of unauthenticated connections: far more than gateways, apis and other workers need when
+// they all reconnect at once, and few enough for a limit of 1,024 open files.
 constexpr std::size_t kMostUnfinished = 256;
 constexpr std::size_t kMostUnfinishedPerAddress = 32;
 
@@ -75,7 +75,7 @@ grpc::Status status_for(const Error& error, Metrics& metrics) {
   return {status.code, error.message, why.SerializeAsString()};
 }
 
-// Writes gRPC's own messages to this program's log.
+// Writes gRPC's own errors to this program's log.
 void log_line(gpr_log_func_args* line) {
   if (line->severity == GPR_LOG_SEVERITY_ERROR) log::error("grpc", {{"message", line->message}});
 }
@@ -177,7 +177,7 @@ class AttachReactor final : public StreamLink::Reactor {
       link_->finish(
           {ErrorCode::kInvalid, "An Attach stream must start with exactly one Open message.", {}});
     }
-    // Reads even after a refusal, because reading reveals the end of the call.
+    // Reads even after a refusal, because only reading reveals the end of the call.
     StartRead(&request_);
   }
 
@@ -207,7 +207,7 @@ class StillReactor final : public grpc::ServerUnaryReactor {
       Finish(grpc::Status::OK);
     });
   }
-  // The order still answers, soon. Only that calls Finish.
+  // The order still answers soon, and only its answer calls Finish.
   void OnCancel() override { *cancelled_ = true; }
   void OnDone() override { delete this; }
 
@@ -223,7 +223,7 @@ class RefusingReactor final : public grpc::ServerBidiReactor<Request, Reply> {
   void OnDone() override { delete this; }
 };
 
-// Each method begins with the role that its callers must have.
+// Each method first checks that its caller has the required role.
 class Service final : public v1::RenderWorker::CallbackService {
  public:
   Service(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists,
@@ -274,7 +274,7 @@ class Service final : public v1::RenderWorker::CallbackService {
   }
 
   Links& links() { return links_; }
-  /// The listener learns where authenticated calls come from.
+  /// Sets the listener, which then learns the addresses of authenticated callers.
   void set_listener(wire::LimitedListener* listener) { listener_ = listener; }
 
  private:
@@ -304,7 +304,7 @@ struct GrpcServer::Impl {
   Impl(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists,
        const wire::InnerTls& tls)
       : service(host, stills, metrics, assists, tls) {}
-  // Null on a Unix socket, which only users reach who may write to its folder.
+  // Null on a Unix socket, to which only users with write access to its folder can connect.
   std::unique_ptr<wire::LimitedListener> listener;
   Service service;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
@@ -372,7 +372,7 @@ void GrpcServer::set_not_serving() {
 void GrpcServer::sweep() { impl_->service.links().sweep(); }
 
 void GrpcServer::stop(std::chrono::milliseconds grace) {
-  // After its shutdown, gRPC would neither take nor close a connection.
+  // After its shutdown, gRPC would neither accept nor close a connection.
   if (impl_->listener) impl_->listener->stop();
   impl_->server->Shutdown(std::chrono::system_clock::now() + grace);
 }

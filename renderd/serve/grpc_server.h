@@ -25,8 +25,8 @@ class GrpcServer {
     wire::InnerTls tls{};  ///< if on, clients without a certificate of the CA are refused
   };
 
-  /// kUnavailable when the port or socket is in use. Without `assists`, the worker assists no
-  /// other.
+  /// Starts to serve. Fails with kUnavailable if the port or socket is in use. Without `assists`,
+  /// the worker assists no other.
   static Result<std::unique_ptr<GrpcServer>> start(Options options, SessionHost& host,
                                                    StillService& stills, Metrics& metrics,
                                                    AssistHost* assists = nullptr);

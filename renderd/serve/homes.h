@@ -12,7 +12,7 @@
 
 namespace diaphane::render {
 
-/// A device and its runner, where a session or a still is at home.
+/// The device and the runner that render a session or a still.
 struct Home {
   Engine& engine;
   Runner& runner;
@@ -32,7 +32,7 @@ std::size_t choose_home(const std::vector<HomeLoad>& loads);
 /// other while their own sessions leave them free. Thread-safe.
 class Homes {
  public:
-  /// `runner` makes the runner of a device. `engine` must outlive this object.
+  /// Creates the runner of each device with `runner`. `engine` must outlive this object.
   Homes(Engine& engine, const std::function<std::unique_ptr<Runner>(const Engine&)>& runner);
   ~Homes();
 
@@ -41,11 +41,11 @@ class Homes {
 
   /// Ends all runners (Runner::stop).
   void stop();
-  // The mean of all devices.
+  // Means over all devices.
   double busy_seconds() const;
   RunnerTimes times() const;  ///< except the numbers, which are sums
   double waiting() const;
-  /// The sum of all devices.
+  /// Returns the sum over all devices.
   double summed_error() const;
   std::vector<const ProgressMonitor*> progress() const;
 

@@ -18,8 +18,8 @@
 namespace diaphane::render {
 namespace {
 
-// The first epoch rises with each placement, so that a frame of the previous worker never passes
-// for a new one.
+// Returns the first epoch, which rises with each placement, so that a frame of the previous worker
+// never passes for a new one.
 std::uint64_t first_epoch(std::uint64_t placement) { return placement << 24; }
 
 // Reduces the header to what a guest's page needs, without information about voxels that are not
@@ -48,7 +48,7 @@ v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
     (void)google::protobuf::util::JsonStringToMessage(*json, &message);
   }
   if (viewer != ViewerKind::kOwner && viewer != ViewerKind::kShared) message.clear_content_hash();
-  // Only ingest needs them.
+  // Only ingest needs these fields.
   message.clear_origin();
   message.clear_frame_of_reference();
   message.clear_label_hash();
@@ -56,8 +56,8 @@ v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
   return message;
 }
 
-/// Names of structures may tell more than a picture does, so only those whom the owner knows learn
-/// of them.
+/// Returns whether a viewer may learn the names of structures. They may reveal more than a picture
+/// does, so only the owner and the accounts with which the scan is shared receive them.
 bool may_know_labels(ViewerKind viewer) {
   return viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared;
 }
@@ -201,7 +201,8 @@ void LiveSession::dispatch(std::uint64_t connection, const v1::ClientMessage& me
     case v1::ClientMessage::kFileTaken:
       return apply(files_.handle(FileTaken{connection, message.file_taken().seq()}, state_));
     case v1::ClientMessage::kSliceView:
-      // First, so that guests know that they can get the slices of the view.
+      // Handled first, so that guests learn that they have access to slices before they get the
+      // view.
       apply(render::receive(state_, connection, message, turn.now), connection);
       return apply(
           collaboration_.handle(SliceViewSent{connection, message.slice_view()}, state_, turn.now));
@@ -301,7 +302,7 @@ void LiveSession::tick(std::size_t sessions) {
     leave(silent);
   }
   if (turn.now - stats_since_ >= std::chrono::seconds(1)) report_stats(sessions, turn.now);
-  // The presenter may have stalled, or a key frame may be due, without any message.
+  // Needed because the presenter may stall, or a key frame become due, without any message.
   apply(Effects{effect::PokeEncoders{}});
   apply(slices_.handle(SlicesTicked{}, state_, turn.now));
 }

@@ -60,40 +60,42 @@ struct SliceParts {
   EncodePool& pool;     ///< holds at most one slice per viewer
 };
 
-/// What never changes about a session.
+/// The properties of a session that never change.
 struct SessionFacts {
   std::string id;
   std::string volume_id;
-  std::string user_id;       ///< owner of the session
-  std::string charged_to;    ///< user whose render time is charged; empty: no user
-  bool camera_only = false;  ///< a follower's free camera
-  std::string link = {};     ///< of a guest's free camera: the link by which they joined
-  std::weak_ptr<LiveSession> group = {};  ///< of a follower's free camera
+  std::string user_id;                    ///< owner of the session
+  std::string charged_to;                 ///< user whose render time is charged; empty: no user
+  bool camera_only = false;               ///< a follower's free camera
+  std::string link = {};                  ///< link by which a guest with a free camera joined
+  std::weak_ptr<LiveSession> group = {};  ///< session that a follower with a free camera follows
 };
 
-/// What the host asks about a session at one moment.
+/// The state of a session at one moment, as the host needs it.
 struct SessionStatus {
   std::uint64_t placement = 0;
-  double device_seconds = 0;  ///< used by its samples
-  /// Of a user without an account, within the visitors' share. May change when the session is
-  /// opened again with or without an account.
+  double device_seconds = 0;  ///< device time of its samples
+  /// Whether the session counts towards the visitors' share. May change when the session is opened
+  /// again with or without an account.
   bool visitor = false;
   std::chrono::steady_clock::duration age{};  ///< how long the session has held its slot
   /// How long the session has had no viewers; nullopt if it has one.
   std::optional<std::chrono::steady_clock::duration> abandoned_for;
 };
 
-/// What a session needs from the process. Everything outlives the session.
+/// Resources of the process that a session uses. They outlive the session.
 struct SessionParts {
   std::shared_ptr<const Home> home;
   EncodePool& encoders;
   Metrics& metrics;
   const Clock& clock;
-  /// Creates a session for a follower's free camera, in a separate slot. kTooMany: no slot is free.
+  /// Creates a session for a follower's free camera, in a separate slot. Fails with kTooMany if no
+  /// slot is free.
   std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group,
                                                      const FreeCameraStart&)>
       open_free_camera;
-  bool mark_frames = false;  ///< for benches: draws input_seq into the pixels (encode/frame_mark.h)
+  bool mark_frames = false;  ///< whether benches can read input_seq from the pixels
+                             ///< (encode/frame_mark.h)
   GpuTimeMeter& gpu_time;
   const VolumeStatsCache& stats;
   VolumeCache& volumes;
@@ -132,20 +134,20 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
     bool visitor = false;
   };
 
-  /// `ended` is called once, without a lock, when the session has ended on its own.
+  /// Creates a session. Calls `ended` once, without a lock, when the session ends on its own.
   LiveSession(SessionParts parts, Start start, std::function<void(const Error&)> ended);
 
   /// Loads the volume that the first scene needs. If that fails, the session ends with a fatal
   /// Problem. To be called once.
   void start();
   /// Adds a viewer and ends a previous connection of the same participant. Returns the number of
-  /// the connection, or kTooMany.
+  /// the connection. Fails with kTooMany if the session is full.
   Result<std::uint64_t> attach(std::shared_ptr<ClientLink> link, const JoinRequest& join,
                                Opening opening);
   /// Handles a serialised ClientMessage. Ignores messages of connections that have ended.
   void receive(std::uint64_t connection, const std::string& bytes);
   void closed(std::uint64_t connection);
-  /// Loads the volume again, because its labels in the store are others now.
+  /// Loads the volume again after its labels in the store have changed.
   void labels_changed();
   /// Ends the session with `why` as a fatal Problem for every viewer. Idempotent.
   void end(const Error& why);
@@ -159,16 +161,16 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
 
   const SessionFacts& facts() const { return facts_; }
   SessionStatus status() const;
-  /// Returns the scene if Redis has an older one. mark_unsaved() makes it due again.
+  /// Returns the state to save if Redis has an older one. mark_unsaved() makes it due again.
   std::optional<SavedSession> take_unsaved();
   void mark_unsaved();
-  /// Empty until a scene is set and the owner is known.
+  /// Returns nullopt until a scene is set and the owner is known.
   std::optional<RecoveryRecord> recovery_record() const;
-  /// The error of the current view after each pass.
+  /// Returns the error of the current view after each pass.
   diaphane::v1::ErrorCurve error_curve() const;
 
  private:
-  /// The session as the runner sees it (session_client.h).
+  /// The runner's interface to the session (session_client.h).
   class Client;
   /// A codec in use: the slot of its encoder, and its link to this session.
   class Lane;
@@ -190,10 +192,10 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
 
   /// One event (session_turn.h).
   class Turn;
-  // What the rules ask for (session/effects.h). These require the lock:
+  // Carry out what the rules ask for (session/effects.h). These require the lock:
   void apply(Effects effects);
   void apply(const Outcome& outcome, std::uint64_t connection);
-  /// Applies what concerns the presenter.
+  /// Applies an outcome that concerns the presenter.
   void apply_to_presenter(const Outcome& outcome);
   void carry_out(const effect::Send& effect);
   void carry_out(const effect::Configure& effect);
@@ -302,7 +304,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   Files files_;
   FreeCameras cameras_;
   Collaboration collaboration_;
-  /// The newest answer, because all followers ask the same.
+  /// The newest answer to a MarkSightQuery, which is kept because all followers ask the same.
   struct MarkSight {
     std::uint64_t version = 0;
     std::vector<Double3> places;
@@ -312,7 +314,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::map<std::string, std::shared_ptr<LiveSession>> camera_sessions_;  // by id
   std::uint64_t followed_ = 0;  // number of the presenter's newest settings
   std::shared_ptr<const DeviceVolume> volume_;
-  bool with_table_ = false;     ///< of `volume_`, or of the one that is awaited first
+  bool with_table_ = false;     ///< VolumeKey::with_table of `volume_`, or of the one awaited first
   bool loading_other_ = false;  ///< the one with the other value of `with_table_`
   std::optional<File> file_;
   std::vector<diaphane::v1::Preset> presets_;
@@ -324,7 +326,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::uint64_t runner_handle_ = 0;
   std::atomic<bool> ended_{false};
 
-  // For Stats.
+  // Counters for Stats.
   TimePoint stats_since_{};
   double device_seconds_ = 0;
   std::uint64_t samples_since_ = 0;

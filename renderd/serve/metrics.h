@@ -21,29 +21,29 @@ class Metrics {
   ~Metrics();
 
   void sessions(std::size_t live);
-  /// `borrowed`: workers that help with this worker's pictures. `helped`: pictures of other workers
-  /// that this one helps with.
+  /// Sets the number of workers that help with this worker's pictures (`borrowed`), and of pictures
+  /// of other workers that this one helps with (`helped`).
   void lending(std::size_t borrowed, std::size_t helped);
   void rendered(std::uint32_t samples, double seconds, std::uint64_t dropped);
   void encoded(double seconds);
   void frame_sent(std::size_t bytes);
   void slice_sent(std::size_t bytes);
   void frames_skipped(std::uint64_t count);
-  /// Latency on the server, from the arrival of an input to the sending of the first frame that
-  /// shows it.
+  /// Records the latency on the server, from the arrival of an input to the sending of the first
+  /// frame that shows it.
   void input_to_frame(double seconds);
-  /// Seconds from a viewer's last input to a picture at rest with an error of at most 5%.
+  /// Records the seconds from a viewer's last input to a picture at rest with at most 5% error.
   void time_to_five_percent(double seconds);
-  /// Error of a picture at rest when the viewer left it.
+  /// Records the error of a picture at rest when the viewer left it.
   void error_at_rest(double error);
   void volumes(std::uint64_t bytes);
-  /// Total counts of the node's copies of volumes. Not thread-safe.
+  /// Sets the total counts of the node's copies of volumes. Not thread-safe.
   void volume_copies(const volume::NodeCache::Counts& counts);
   void still(double seconds);
-  /// `status` is a gRPC status name, from a closed set.
+  /// Counts an error. `status` is a gRPC status name, from a closed set.
   void grpc_error(const std::string& status);
   void redis_error();
-  /// Total times of the device. "busy" is the total, and its parts overlap. Not thread-safe.
+  /// Sets the device's total times. "busy" is their total, and its parts overlap. Not thread-safe.
   void device(const RunnerTimes& times);
 
  private:

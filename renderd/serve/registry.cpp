@@ -13,8 +13,8 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kBeat{1000};
 constexpr milliseconds kSave{200};
-// Shorter than the two seconds after which the gateway looks again. It ends a stream when it has
-// missed the worker twice.
+// Shorter than the gateway's poll interval of two seconds. The gateway ends a stream when it has
+// missed the worker in two polls.
 constexpr milliseconds kMostBackoff{500};
 // A dead worker is removed 3 s after its last heartbeat.
 constexpr milliseconds kNameMayBeTaken{5000};

@@ -27,8 +27,8 @@ class Registry {
     std::string address;      ///< address at which the gateway reaches this worker
     std::string engine;
     std::string device;
-    std::string node;                                   ///< as in directory::Heartbeat
-    std::function<double()> busy_seconds;               ///< since the start, for the load
+    std::string node;                                   ///< directory::Heartbeat::node
+    std::function<double()> busy_seconds;               ///< busy time since the start, for the load
     std::function<std::vector<std::string>()> volumes;  ///< loaded volumes
     /// Called once, from the registry's thread, when another live worker has used this name for
     /// longer than a dead worker stays registered.
@@ -44,9 +44,9 @@ class Registry {
     std::function<double()> lent_seconds;
   };
 
-  /// `redis` must outlive this object.
+  /// Starts to send heartbeats. `redis` must outlive this object.
   Registry(Options options, directory::Client& redis, SessionHost& host, Metrics& metrics);
-  /// Removes the worker from the list.
+  /// Removes the worker from the list of workers.
   ~Registry();
   Registry(const Registry&) = delete;
   Registry& operator=(const Registry&) = delete;
@@ -54,14 +54,14 @@ class Registry {
   /// Announces that the worker accepts no new sessions, and writes unsaved scenes. Returns when
   /// that is done or after `timeout`.
   void drain(std::chrono::milliseconds timeout);
-  /// Whether the last heartbeat succeeded.
+  /// Returns whether the last heartbeat succeeded.
   bool connected() const { return connected_; }
 
  private:
   /// Share of the device; 1 is the whole device.
   struct Loads {
-    double busy = 0;      ///< since the last heartbeat
-    double expected = 0;  ///< in the future
+    double busy = 0;      ///< share since the last heartbeat
+    double expected = 0;  ///< share that is expected in the future
   };
   void run();
   bool heartbeat();
@@ -90,7 +90,7 @@ class Registry {
   std::chrono::steady_clock::time_point load_since_;
   std::optional<std::chrono::steady_clock::time_point> refused_since_;
   bool refusal_reported_ = false;
-  bool drain_ordered_ = false;  // never reset, because it accepts no sessions again
+  bool drain_ordered_ = false;  // never reset, because this worker never accepts sessions again
   std::thread thread_;
 };
 

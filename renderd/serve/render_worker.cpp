@@ -31,7 +31,7 @@ struct Source {
   std::string store;
   std::shared_ptr<volume::NodeCache> copies;
 
-  // `id` was validated, so the path cannot leave the store.
+  // Reads a volume. `id` was validated, so the path cannot leave the store.
   Result<volume::Volume> read(const std::string& id) const {
     return copies ? copies->read(id) : volume::read(store + "/" + id, false);
   }
@@ -68,7 +68,7 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
 Result<VolumeCache::Handle> load_voxels(const Source& source, const std::string& id) {
   auto volume = source.read(id);
   DIAPHANE_TRY(volume);
-  // Slices show the stored values only, and other labels leave them as they are.
+  // Drops the labels, because slices show only the stored values.
   volume->label_set = {};
   volume->header.label_hash.clear();
   return std::make_shared<const HostVolume>(std::move(*volume));
@@ -149,7 +149,7 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
     }
     voxels_->forget_unused();
     stats_.forget_expired();
-    // Part of it comes from the heap, which does not return freed memory to the system by itself.
+    // Part of the texture memory is on the heap, which does not return freed memory by itself.
     if (take_freed_texture_memory() >= kWorthTrimming) malloc_trim(0);
     if (copies_) metrics_.volume_copies(copies_->counts());
   }
@@ -164,8 +164,7 @@ void RenderWorker::stop() {
 RenderWorker::~RenderWorker() {
   watching_ = {};
   stop();
-  // Loading or encoding in progress still ends in a call to a runner, until the runners are
-  // destroyed.
+  // Loading or encoding in progress may still call a runner, so the runners are destroyed last.
   volumes_.reset();
   slicers_.reset();
   textures_.reset();

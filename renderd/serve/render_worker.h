@@ -47,8 +47,8 @@ class RenderWorker {
 
  private:
   void slow_down_decoding();
-  /// Every second, drops copies of volumes that are no longer in the store, and ends their
-  /// sessions.
+  /// Drops copies of volumes that are no longer in the store, and ends their sessions, every
+  /// second.
   void watch_store(const std::stop_token& stop);
 
   Metrics& metrics_;
@@ -61,7 +61,7 @@ class RenderWorker {
   std::unique_ptr<VolumeCache> volumes_;
   std::unique_ptr<EncodePool> slicers_;
   std::unique_ptr<EncodePool> textures_;  ///< decodes textures of sessions
-  std::unique_ptr<VolumeCache> voxels_;   ///< in host memory, for viewers of slices
+  std::unique_ptr<VolumeCache> voxels_;   ///< volumes in host memory for viewers of slices
   std::unique_ptr<SessionHost> host_;
   std::unique_ptr<StillService> stills_;
   std::unique_ptr<AssistHost> assists_;

@@ -11,8 +11,8 @@
 
 namespace diaphane::render {
 
-/// Writes one message at a time, then the status. It outlives the call, because whoever sends may
-/// hold it slightly longer. Derived classes hold `mutex_` when they use what is protected.
+/// Writes one message at a time, then the status. It outlives the call, because senders may hold it
+/// slightly longer. Derived classes must hold `mutex_` when they use protected members.
 template <typename Request, typename Reply>
 class ReplyQueue {
  public:

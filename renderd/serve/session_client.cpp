@@ -95,7 +95,7 @@ void LiveSession::Client::kernel(const KernelReport& report) {
   session_.state_.requested.kernel_report = false;
   for (Receiver& receiver : session_.state_.audience.receivers) {
     if (!std::exchange(receiver.kernel_wanted, false)) continue;
-    // It describes the whole scan, not only what is shown.
+    // The number of empty cells describes the whole scan, not only what is shown.
     if (receiver.viewer == ViewerKind::kGuest) {
       out.clear_empty_cells();
     } else {

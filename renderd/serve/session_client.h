@@ -4,7 +4,7 @@
 
 namespace diaphane::render {
 
-/// The session as the runner sees it. A part of the session, which outlives it.
+/// The runner's interface to a session. Belongs to the session, which outlives it.
 class LiveSession::Client final : public RenderClient {
  public:
   explicit Client(LiveSession& session) : session_(session) {}

@@ -7,7 +7,7 @@
 namespace diaphane::render {
 namespace {
 
-/// Per worker, because each holds its own video and up to 48 MiB.
+/// Files that a worker makes at a time. Each holds a film of its own and up to 48 MiB of data.
 constexpr int kMostFiles = 2;
 
 // The same order always gives the same file.

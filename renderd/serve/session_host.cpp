@@ -156,8 +156,8 @@ SessionParts SessionHost::parts() {
           textures_};
 }
 
-// No ticket leads to this session, because only this worker knows its id. The heartbeat counts its
-// slot.
+// Opens a session to which no ticket leads, because only this worker knows its id. The heartbeat
+// counts its slot.
 Result<SessionHost::Session> SessionHost::open_free_camera(const LiveSession& group,
                                                            const FreeCameraStart& camera) {
   LiveSession::Start start;
@@ -208,8 +208,8 @@ SessionHost::Session SessionHost::evict(bool for_visitor) {
   return std::move(sessions_.extract(*chosen).mapped());
 }
 
-// A visitor who left gives way to anybody (to_evict), so their session does not count. Otherwise
-// two of them could keep a guest from a camera of their own for half a minute.
+// Excludes sessions whose visitor has left, because they give way to anyone (to_evict). Otherwise
+// two of them could keep a guest from a free camera for half a minute.
 std::size_t SessionHost::visitors() const {
   return static_cast<std::size_t>(
       std::count_if(sessions_.begin(), sessions_.end(), [](const auto& one) {
@@ -235,7 +235,7 @@ void SessionHost::end_evicted(const Session& session) {
   // A guest who loses their free camera follows the presenter again.
   if (const auto group = facts.group.lock()) {
     if (group->take_camera_back(facts.id)) return;
-    // The guest may be about to connect to it, and is notified in that case too.
+    // The guest may be about to connect to the session, and is notified in that case too.
     session->dismiss();
     (void)group->take_camera_back(facts.id);
     return;

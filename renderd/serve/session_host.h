@@ -16,11 +16,11 @@
 
 namespace diaphane::render {
 
-/// The error for a visitor whose slot went to an account holder.
+/// Returns the error for a visitor whose slot went to an account holder.
 const Error& displaced();
 bool is_displaced(const Error& why);
 
-/// The hold of one connection on a session.
+/// The connection of one viewer to a session.
 class Attachment {
  public:
   Attachment(std::shared_ptr<LiveSession> session, std::uint64_t connection)
@@ -44,20 +44,20 @@ class SessionHost {
     /// Maximum share of the slots for visitors' sessions and guests' free cameras. They lose their
     /// slots when an account holder finds none free.
     int visitor_percent = kVisitorPercent;
-    /// So that a page can be reloaded without losing the session.
+    /// How long a session without viewers is kept, so that a page can be reloaded.
     std::chrono::seconds keep_abandoned{30};
-    /// How long the device counts as full after a session found no memory, unless a session ends
-    /// before.
+    /// How long the device counts as full after it ran out of memory for a session, unless a
+    /// session ends before.
     std::chrono::seconds full_for{10};
     /// For benches: draws input_seq into the pixels (encode/frame_mark.h).
     bool mark_frames = false;
   };
-  /// What the heartbeat reports about a session.
+  /// The state of a session that the heartbeat reports.
   struct Live {
     std::string id;
     std::uint64_t placement = 0;
-    double device_seconds = 0;  ///< since it was opened on this worker
-    bool visitor = false;       ///< of a visitor, or a guest's free camera
+    double device_seconds = 0;  ///< device time since it was opened on this worker
+    bool visitor = false;       ///< whether it belongs to a visitor or is a guest's free camera
   };
 
   SessionHost(Options options, Homes& homes, EncodePool& encoders, VolumeCache& volumes,
@@ -65,9 +65,9 @@ class SessionHost {
               Metrics& metrics, const Clock& clock);
   ~SessionHost();
 
-  /// Opens a session or joins an existing one. kTooMany: no slot is free, or the session is full.
-  /// kConflict: it has been placed again since. kUnavailable: draining. kInvalid: an identifier is
-  /// invalid.
+  /// Opens a session or joins an existing one. Fails with kTooMany if no slot is free or the
+  /// session is full, with kConflict if the session was placed again since, with kUnavailable while
+  /// draining, and with kInvalid if an identifier is invalid.
   Result<Attachment> open(const diaphane::v1::Open& open, std::shared_ptr<ClientLink> link);
 
   /// Ends abandoned sessions. To be called at least once per second.
@@ -91,9 +91,9 @@ class SessionHost {
   std::vector<SavedSession> take_unsaved();
   void mark_unsaved(const std::string& id);
   std::optional<RecoveryRecord> recovery_record(const std::string& id) const;
-  /// Returns nullopt if this worker has no such session.
+  /// Returns the error curve of a session, or nullopt if this worker has no such session.
   std::optional<diaphane::v1::ErrorCurve> error_curve(const std::string& id) const;
-  /// Time of users with sessions on this worker.
+  /// Returns the render time of users with sessions on this worker.
   GpuTimeMeter& gpu_time() { return gpu_time_; }
   std::size_t used() const;
   /// Returns the number of usable slots. While the device's memory is full, these are the occupied
@@ -107,7 +107,7 @@ class SessionHost {
   void forget(const std::string& id, const LiveSession* session);
   /// Returns the callback for a session that ends on its own.
   std::function<void(const Error&)> when_ended(const std::string& id);
-  /// Called when a session ended because the device had no memory for it.
+  /// Makes room after a session found no memory: evicts another one or counts the device as full.
   void out_of_memory();
   bool full() const;  // requires the lock
   void freed();       // requires the lock; called when a session ended

@@ -7,7 +7,7 @@
 #include "renderd/serve/session_lane.h"
 #include "renderd/serve/session_turn.h"
 
-// LiveSession: pictures through the encoders to the viewers.
+// LiveSession: passes pictures through the encoders to the viewers.
 
 namespace diaphane::render {
 Admitted LiveSession::admit(const Lane& lane, const FrameInfo& frame) {
@@ -121,7 +121,7 @@ Result<void> LiveSession::open_lane(v1::Codec codec) {
   return {};
 }
 
-// An encoder may hold device resources, and without it one picture fewer is encoded.
+// Closes lanes without viewers, because an encoder takes time and may hold device resources.
 void LiveSession::close_unused_lanes() {
   std::erase_if(lanes_, [&](const auto& lane) {
     const auto& receivers = state_.audience.receivers;

@@ -29,7 +29,7 @@ bool LiveSession::textures_ready() {
 }
 
 void LiveSession::publish_version() {
-  // Otherwise each quantum would be interrupted for a scene that cannot be rendered yet.
+  // A scene that cannot be rendered yet must not interrupt the runner.
   if (textures_ready() && volume_fits())
     version_.store(state_.requested.version, std::memory_order_relaxed);
 }

@@ -3,7 +3,7 @@
 #include "common/log.h"
 #include "renderd/serve/session_turn.h"
 
-// LiveSession: the volume with or without what surrounds the body, and with other labels.
+// LiveSession: changes to a copy of the volume with or without surroundings, or with new labels.
 
 namespace diaphane::render {
 

@@ -14,15 +14,15 @@
 
 namespace diaphane::render {
 
-/// Renders pictures without a session, such as thumbnails, while the sessions pause. At most
-/// `kPending` can wait.
+/// Renders pictures without a session, such as thumbnails, with a limited share of the device
+/// (still_share). At most `kPending` can wait.
 class StillService {
  public:
   using Done = std::function<void(Result<diaphane::v1::StillReply>)>;
   static constexpr int kPending = 16;
   static constexpr std::uint32_t kMostSamples = 4096;
 
-  /// `most_samples`: no picture gets more samples per pixel, whatever is requested.
+  /// Limits every picture to `most_samples` samples per pixel, whatever is requested.
   StillService(Homes& homes, EncodePool& encoders, VolumeCache& volumes,
                const VolumeStatsCache& stats, Metrics& metrics, const Clock& clock,
                std::uint32_t most_samples = kMostSamples)
@@ -34,8 +34,8 @@ class StillService {
         clock_(clock),
         most_samples_(most_samples) {}
 
-  /// `done` is called once, from any thread, possibly before this returns. kTooMany: the queue is
-  /// full. `cancelled` is set when the caller no longer waits.
+  /// Renders a picture and calls `done` once, from any thread, possibly before this returns. Fails
+  /// with kTooMany if the queue is full. `cancelled` is set when the caller no longer waits.
   void render(const diaphane::v1::StillRequest& request,
               std::shared_ptr<const std::atomic<bool>> cancelled, Done done);
 
@@ -50,7 +50,7 @@ class StillService {
   Metrics& metrics_;
   const Clock& clock_;
   const std::uint32_t most_samples_;
-  // Shared with the orders, because the last of them may outlive this object.
+  // The number of waiting stills, shared with the orders, because the last may outlive this object.
   const std::shared_ptr<std::atomic<int>> pending_ = std::make_shared<std::atomic<int>>(0);
 };
 

@@ -28,7 +28,7 @@ class Watchdog {
     std::function<std::uint64_t()> pulse;
   };
   struct Options {
-    std::chrono::milliseconds limit{10'000};            ///< of silence, at least two polls
+    std::chrono::milliseconds limit{10'000};            ///< maximum silence, at least two polls
     std::chrono::milliseconds poll_interval{250};       ///< between two polls
     std::function<void(const std::string& name)> hung;  ///< called once, from the watchdog's thread
   };
@@ -38,7 +38,8 @@ class Watchdog {
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
 
-  /// Something has been silent for half of the limit, so no more work should be accepted.
+  /// Returns whether something has been silent for half of the limit. The process should then
+  /// accept no more work.
   bool suspects() const { return suspects_; }
 
  private:

@@ -40,7 +40,7 @@ inline constexpr std::chrono::milliseconds kKernelEvery{250};
 inline constexpr std::size_t kMostReceivers = 64;
 inline constexpr std::size_t kLongestName = 40;  ///< characters
 
-/// What was sent to a viewer of the state that participants share (collaboration.h).
+/// How much of the state that participants share (collaboration.h) was sent to a viewer.
 struct SharedWindow {
   std::uint64_t sent = 0;           ///< sequence number
   std::uint64_t taken = 0;          ///< acknowledged
@@ -54,42 +54,43 @@ struct Receiver {
   std::uint64_t connection = 0;
   std::string participant{kOwner};
   std::string name;
-  std::uint32_t number = 0;  ///< as small as possible and unique among the receivers
-  std::string link;          ///< of a guest: the link by which they joined (worker.proto)
+  std::uint32_t number = 0;  ///< the smallest number that is unique among the receivers
+  std::string link;          ///< link by which a guest joined (worker.proto)
   ViewerKind viewer = ViewerKind::kGuest;
   bool may_have_slices = false;  ///< set by the owner for visitors and public scans
 
-  bool greeted = false;  ///< its Hello was accepted
+  bool greeted = false;  ///< whether its Hello was accepted
   bool visible = true;
   diaphane::v1::Codec codec = diaphane::v1::CODEC_UNSPECIFIED;
   std::shared_ptr<const diaphane::v1::Hello> hello;
-  Canvas viewport{};               ///< as reported; 0 x 0: not yet
-  std::uint64_t newest_input = 0;  ///< of this connection
+  Canvas viewport{};               ///< size that the page reported; 0 x 0: none yet
+  std::uint64_t newest_input = 0;  ///< newest input of this connection
   /// Time of attachment, of the last acknowledgement, or of a frame sent with none outstanding.
   TimePoint last_progress_at{};
 
-  SliceRequestQueue slices;               ///< with a window separate from the pictures'
+  SliceRequestQueue slices;               ///< slice requests, with a window separate from that of
+                                          ///< the pictures
   std::optional<TimePoint> depth_asked;   ///< time of the last query
   std::optional<TimePoint> kernel_asked;  ///< time of the last request
   std::optional<TimePoint> curve_asked;   ///< time of the last request of the error curve
   bool kernel_wanted = false;             ///< requested, but not answered yet
-  bool has_clipped_slices = false;        ///< of the current clip
+  bool has_clipped_slices = false;        ///< whether it has slices of the current clip
   SharedWindow shared;
   std::uint64_t hand = 0;  ///< increases with each raised hand; 0: the hand is not raised
 
   FlightWindow flight;
   LinkEstimate path;  ///< estimated capacity of its connection
   QualitySteps quality;
-  /// Unspecified: no lossless pictures.
+  /// Format of the lossless tiles. Unspecified: the viewer gets none.
   diaphane::v1::StillFormat stills = diaphane::v1::STILL_FORMAT_UNSPECIFIED;
   std::uint32_t tiles_sent = 0;    ///< lossless tiles of `shown`
-  std::uint64_t sent_epoch = 0;    ///< of the newest frame sent
+  std::uint64_t sent_epoch = 0;    ///< epoch of the newest frame sent
   std::optional<FrameInfo> shown;  ///< the newest frame sent
   std::uint64_t look_version = 0;  ///< ViewRequest::version of the newest scene sent (Look, Config)
   bool converged_sent = false;
   bool lossless_sent = false;
   bool behind = false;       ///< it missed a picture for lack of room or of a key frame
-  bool needs_key = true;     ///< of an inter-coded stream: it can decode nothing until a key frame
+  bool needs_key = true;     ///< whether it needs a key frame before it can decode further frames
   bool free_camera = false;  ///< it sees a session of its own and receives nothing from this one
 };
 
@@ -122,23 +123,24 @@ struct Audience {
   ViewerRights rights(const Receiver& receiver) const;
 };
 
-/// Whether frames depend on previous ones, so that a viewer who misses a frame must wait for a key
-/// frame.
+/// Returns whether frames depend on previous ones, so that a viewer who misses a frame must wait
+/// for a key frame.
 bool is_inter_coded(diaphane::v1::Codec codec);
 
 /// Sanitises a name for display: valid UTF-8 without control, direction and invisible characters,
 /// single spaces, and at most kLongestName characters. May be empty.
 std::string clean_name(std::string_view typed);
 
-/// Whether another picture may be sent: neither too many pictures nor too many bytes are in
+/// Returns whether another picture may be sent: neither too many pictures nor too many bytes are in
 /// transit.
 bool has_room(const Receiver& receiver);
 
-/// Whether the viewer has greeted, is visible, and acknowledges what is sent.
+/// Returns whether the viewer has greeted, is visible, and acknowledges what is sent.
 bool is_watching(const Receiver& receiver, TimePoint now);
 
 /// Hands the presenter's role over on request of `from`: the presenter, or the owner, who may take
-/// it back at any time. kForbidden, kNotFound, kConflict.
+/// it back at any time. Fails with kForbidden for anyone else, with kNotFound if `to` is absent and
+/// with kConflict if `to` uses a free camera.
 Result<void> hand_over(Audience& audience, const Receiver& from, std::string_view to);
 
 /// Returns the participants as `receiver` may see them.

@@ -33,7 +33,7 @@ Effects refused(std::uint64_t connection, std::string field) {
                      {ErrorCode::kInvalid, "The page sent an invalid view.", std::move(field)})};
 }
 
-/// A copy without fields of newer pages, which would otherwise be passed on unchecked.
+/// Returns a copy without fields of newer pages, which would otherwise be passed on unchecked.
 template <typename Message>
 Message known_fields(const Message& message) {
   Message copy = message;
@@ -186,7 +186,7 @@ Effects Collaboration::handle(ParticipantsChanged, SessionState& state, TimePoin
   std::erase_if(marks_, has_left);
   apply_permission(audience);
   const Receiver* const presenter = audience.of(audience.presenter);
-  // Nobody would close the slices of a previous presenter.
+  // Closes the slices of a previous presenter, which the new one has no access to.
   if (presenter && view_.version != 0 && !sees_slices(audience, *presenter)) {
     view_ = {{}, ++version_};
     measurements_ = {{}, ++version_};
@@ -233,7 +233,8 @@ void Collaboration::send_changes(Effects& effects, const SessionState& state, Re
     }
     v1::SharedState::Pointer& shown = *shared.add_pointers();
     if (of_slice && !slices) {
-      shown.set_number(pointer.shown.number());  // it is hidden in the picture
+      shown.set_number(pointer.shown.number());  // no place in the picture, because the pointer is
+                                                 // in a slice
     } else {
       shown = pointer.shown;
     }

@@ -27,7 +27,7 @@ struct PointerMoved {
 /// The surface at which a participant points. nullopt: only background is visible there.
 struct PointerFound {
   std::uint64_t connection = 0;
-  std::uint64_t number = 0;  ///< of effect::FindPointer
+  std::uint64_t number = 0;  ///< number in effect::FindPointer
   std::optional<Double3> place;
 };
 struct MarksSent {
@@ -55,16 +55,17 @@ struct ParticipantsChanged {};
 class Collaboration {
  public:
   static constexpr std::uint64_t kMostUnderWay = 2;
-  /// Per participant. Pages send ten moves per second.
+  /// Burst and rate of pointer moves per participant. Pages send ten moves per second.
   static constexpr double kMovesInARow = 20;
   static constexpr double kMovesASecond = 15;
-  /// Per session. Each move in the picture takes about a millisecond of a core.
+  /// Burst and rate of moves in the picture per session. Each takes about a millisecond of a core.
   static constexpr double kSurfacesInARow = 40;
   static constexpr double kSurfacesASecond = 40;
-  /// Per participant. Pages send ten changes per second while a mark is dragged.
+  /// Burst and rate of changed marks per participant. Pages send ten per second during a drag.
   static constexpr double kMarksInARow = 20;
   static constexpr double kMarksASecond = 15;
-  /// Per participant. Each answer may take some milliseconds of a core.
+  /// Burst and rate of mark sight queries per participant. Each may take some milliseconds of a
+  /// core.
   static constexpr double kSightsInARow = 10;
   static constexpr double kSightsASecond = 5;
   /// A pointer that has not moved for this long is hidden.
@@ -113,12 +114,12 @@ class Collaboration {
 
   Effects moved(Pointer& pointer, SessionState& state, TimePoint now);
   Effects broadcast(SessionState& state, TimePoint now) const;
-  /// Hides or shows the marks of guests as the presenter wants.
+  /// Hides or shows the marks of guests according to the presenter's setting.
   void apply_permission(const Audience& audience);
   void add_marks(diaphane::v1::SharedState& shared, Receiver& receiver) const;
   void send_changes(Effects& effects, const SessionState& state, Receiver& receiver,
                     TimePoint now) const;
-  /// Returns whether someone other than the sender would see it.
+  /// Returns whether someone other than the sender would see a change.
   static bool is_shared(const SessionState& state);
 
   std::uint64_t version_ = 0;

@@ -7,23 +7,23 @@
 #include "renderd/film/error_curve.h"
 #include "renderd/session/audience.h"
 
-// How fast the pictures of a session converge. Pure.
+// Measures how fast the pictures of a session converge.
 
 namespace diaphane::render {
 
-/// The error of the current view, and what is measured of every view for the metrics. Pictures of a
-/// gesture do not count, because they are small and soon replaced.
+/// Measures the error of the current view, and the metrics of every view. Pictures of a gesture do
+/// not count, because they are small and soon replaced.
 class Convergence {
  public:
   struct Measured {
-    /// From the last input of the viewer. Set once per view, when its error first is at most 5%.
+    /// Time since the last input. Set once per view, when its error first is at most 5%.
     std::optional<double> seconds_to_five_percent;
     /// The last error of the view that has ended.
     std::optional<double> error_at_rest;
   };
 
-  /// A new view replaces the current one. `input`: the time of the newest input that it contains,
-  /// or 0 for the first view of a session.
+  /// Begins a new view, which replaces the current one. `input`: the time of the newest input that
+  /// it contains, or 0 for the first view of a session.
   Measured began(TimePoint input, TimePoint now);
   Measured progressed(const Progress& progress, bool moving, TimePoint now);
   Measured ended();

@@ -60,7 +60,7 @@ Walk walk(const View& scene, const Ray& ray, float most) {
   return walked;
 }
 
-/// Returns a distance in mm along the ray.
+/// Returns the distance in mm along the ray at which half of what it shows has been passed.
 std::optional<float> half_way(const View& scene, const Ray& ray) {
   const auto [slice, steps, clear] = walk(scene, ray, 3.4e38f);
   const float behind = slice.found ? 0.0f : clear;
@@ -90,8 +90,8 @@ void with_view(const CoarseVolume& coarse, const diaphane::v1::Scene& scene, Can
   use(view);
 }
 
-/// Whether less than half of a place in the volume's frame (mm) can be seen. `margin`: how far in
-/// front of it matter counts as its own surface.
+/// Returns whether less than half of a place in the volume's frame (mm) can be seen. `margin`:
+/// distance in mm in front of the place in which matter counts as its own surface.
 bool is_hidden(const View& scene, Float3 place, float margin) {
   const CameraView& c = scene.camera;
   const Float3 from_start = place - c.start;

@@ -14,9 +14,9 @@
 #include "renderd/session/slice_request_queue.h"
 #include "renderd/session/view_request.h"
 
-// What the rules of a session ask for. Most are functions of one shape: `handle(event, state, now)`
-// changes plain data and returns effects. Those in state.h return an Outcome instead. They lock
-// nothing and call nobody. LiveSession carries the effects out.
+// Effects that the rules of a session return. Most rules have the form `handle(event, state, now)`:
+// they change plain data, lock nothing and send nothing. Those in state.h return an Outcome
+// instead. LiveSession carries the effects out.
 
 namespace diaphane::render {
 
@@ -28,16 +28,16 @@ struct SliceOrder {
 
 namespace effect {
 
-/// To be sent before any other event is handled, so that a viewer receives messages in the order in
-/// which they were decided.
+/// A message to be sent before any other event is handled, so that a viewer receives messages in
+/// the order in which they were decided.
 struct Send {
   std::uint64_t connection = 0;
   diaphane::v1::ServerMessage message;
 };
 struct Warn {
-  std::string event;  ///< of the log
+  std::string event;  ///< name of the event in the log
 };
-/// The connection receives the state of the whole session (Config).
+/// Sends the state of the whole session (Config) to a connection.
 struct Configure {
   std::uint64_t connection = 0;
 };
@@ -47,28 +47,28 @@ struct WakeRunner {};
 struct LeaveRunner {
   std::uint64_t handle = 0;
 };
-/// A DepthQuery of this connection is to be answered.
+/// Answers a DepthQuery of this connection.
 struct FindDepth {
   std::uint64_t connection = 0;
   diaphane::v1::DepthQuery query;
 };
-/// A participant points at this place of the picture that they see (0 to 1 from the upper left). To
-/// be answered with PointerFound.
+/// Finds the surface at this place of the picture that a participant sees (0 to 1 from the upper
+/// left), because they point at it. The answer is PointerFound.
 struct FindPointer {
   std::uint64_t connection = 0;
   std::uint64_t number = 0;
   double x = 0, y = 0;
 };
-/// A MarkSightQuery of this connection is to be answered.
+/// Answers a MarkSightQuery of this connection.
 struct FindMarkSight {
   std::uint64_t connection = 0;
 };
-/// The encoders may take the next picture.
+/// Tells the encoders that they may take the next picture.
 struct PokeEncoders {};
 
-/// To be answered with VoxelsLoaded.
+/// Loads the voxels for slices. The answer is VoxelsLoaded.
 struct LoadVoxels {};
-/// To be answered with SliceCoded.
+/// Reads and encodes a slice. The answer is SliceCoded.
 struct CodeSlice {
   std::uint64_t connection = 0;
   SliceOrder order;
@@ -77,7 +77,7 @@ struct CodeSlice {
   bool for_guest = false;
 };
 
-/// To be answered with TileCoded, unless the picture is no longer needed.
+/// Encodes a lossless tile. The answer is TileCoded, unless the picture is no longer needed.
 struct CodeTile {
   std::uint64_t picture = 0;
   std::weak_ptr<const PictureRgb8> pixels;
@@ -85,7 +85,7 @@ struct CodeTile {
   diaphane::v1::StillFormat format = diaphane::v1::STILL_FORMAT_UNSPECIFIED;
 };
 
-/// To be answered with FileSaid, or with FileRefused if the file cannot be begun.
+/// Begins a file. The answers are FileMessage, or FileRefused if the file cannot be begun.
 struct StartFile {
   std::uint64_t file = 0;
   diaphane::v1::FileRequest request;
@@ -102,40 +102,40 @@ struct StopFile {
   std::uint64_t file = 0;
 };
 
-/// A session of its own for a follower, to be answered with CameraOpened.
+/// Opens a session of their own for a follower. The answer is CameraOpened.
 struct OpenCamera {
   std::uint64_t connection = 0;
   std::string participant;
   std::string name;
-  std::string link;  ///< by which they joined; empty: the owner
+  std::string link;  ///< link by which they joined; empty: the owner
   ViewerKind viewer = ViewerKind::kGuest;
   bool may_have_slices = false;
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas viewport;
 };
-/// Greets the follower's own session, and then tells everyone in the group.
+/// Greets the follower's own session, and then sends the list of participants to the group.
 struct EnterCamera {
   std::string session;
   std::uint64_t connection = 0;  ///< its number in that session
   diaphane::v1::ClientMessage hello;
 };
-/// A message of a follower to their own session.
+/// Forwards a message of a follower to their own session.
 struct ForwardToCamera {
   std::string session;
   std::uint64_t connection = 0;  ///< its number in that session
   diaphane::v1::ClientMessage message;
 };
-/// The presenter's settings for a follower's own session. A later one has a higher number.
+/// Applies the presenter's settings to a follower's own session. Later ones have a higher number.
 struct FollowPresenter {
   std::string session;
   std::shared_ptr<const diaphane::v1::Scene> scene;
   std::uint64_t number = 0;
 };
-/// The follower's own session is to send nothing more, to be answered with CameraSilenced.
+/// Stops the messages of a follower's own session. The answer is CameraSilenced.
 struct SilenceCamera {
   std::string session;
   std::uint64_t connection = 0;  ///< its number in the group's session
-  std::optional<Error> why;      ///< for the follower; nullopt: it was their wish
+  std::optional<Error> why;      ///< error to show to the follower; nullopt: the follower wished it
 };
 struct DismissCamera {
   std::string session;
@@ -152,7 +152,7 @@ using Effect =
                  effect::FollowPresenter, effect::SilenceCamera, effect::DismissCamera>;
 using Effects = std::vector<Effect>;
 
-/// Tells a viewer about an error that does not end the connection.
+/// Returns the message that tells a viewer about an error that does not end the connection.
 effect::Send problem_to(std::uint64_t connection, const Error& why);
 
 }  // namespace diaphane::render

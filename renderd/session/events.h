@@ -6,7 +6,7 @@
 
 namespace diaphane::render {
 
-/// The session may have another scene.
+/// The session's scene may have changed.
 struct SceneChanged {};
 struct ViewerLeft {
   std::uint64_t connection = 0;

@@ -18,7 +18,7 @@ struct FileMarkSent {
   std::uint64_t connection = 0;
   const diaphane::v1::FileMark& mark;
 };
-/// A request without a kind gives the current file up.
+/// A request without a kind cancels the current file.
 struct FileRequested {
   std::uint64_t connection = 0;
   const diaphane::v1::FileRequest& request;
@@ -37,7 +37,7 @@ struct FileMessage {
 struct FileRefused {
   std::uint64_t file = 0;
   Error why;
-  /// Not used, so that they serve the next request.
+  /// The inputs of the refused file, which are kept for the next request.
   std::vector<diaphane::v1::Scene> keys;
   std::vector<diaphane::v1::FileMark> marks;
 };
@@ -54,7 +54,7 @@ class Files {
   Effects handle(const ViewerLeft& event);
   Effects handle(SessionEnded event);
 
-  /// Whether this file is still wanted.
+  /// Returns whether this file is still wanted.
   bool makes(std::uint64_t file) const { return file_ && file_->id == file; }
 
  private:
@@ -63,10 +63,10 @@ class Files {
   /// The file that is being made or sent.
   struct File {
     std::uint64_t id = 0;
-    std::uint64_t connection = 0;  ///< that asked for it
+    std::uint64_t connection = 0;  ///< connection that asked for it
   };
   std::optional<File> file_;
-  std::uint64_t files_ = 0;  // so far
+  std::uint64_t files_ = 0;  // number of files so far, from which ids are made
   std::vector<diaphane::v1::Scene> key_views_;
   std::vector<diaphane::v1::FileMark> marks_;
 };

@@ -15,12 +15,12 @@ struct CameraRequested {
   std::uint64_t connection = 0;
   bool on = false;
 };
-/// A session of their own exists for a follower, or none could be had.
+/// The answer to OpenCamera: the follower's own session, or the reason why none was opened.
 struct CameraOpened {
   std::uint64_t connection = 0;
   std::string session;
   Result<std::uint64_t> there;  ///< number of the follower's connection in that session
-  bool withdrawn = false;       ///< that session has ended already
+  bool withdrawn = false;       ///< whether that session has ended already
   bool gone = false;            ///< the follower has left
 };
 /// A follower's own session sends nothing more.
@@ -34,7 +34,7 @@ struct CameraWithdrawn {
   Error why;
 };
 
-/// The followers of a session who see sessions of their own beside it (docs/adr/0013).
+/// The followers of a session who use a free camera in a session of their own (docs/adr/0013).
 class FreeCameras {
  public:
   Effects handle(const CameraRequested& event, const SessionState& state);
@@ -49,7 +49,7 @@ class FreeCameras {
     std::string session;
     std::uint64_t connection = 0;  ///< its number in that session
   };
-  /// Returns null if this viewer sees the group's picture.
+  /// Returns the camera of a viewer, or null if they see the group's picture.
   const Camera* of(std::uint64_t connection) const;
 
  private:
@@ -58,8 +58,8 @@ class FreeCameras {
   std::uint64_t number_ = 0;                        // of that scene
 };
 
-/// Whether a message of a follower with a free camera concerns the picture that they see, and not
-/// the group.
+/// Returns whether a message of a follower with a free camera concerns the picture that they see,
+/// and not the group.
 bool concerns_picture(const diaphane::v1::ClientMessage& message);
 
 }  // namespace diaphane::render

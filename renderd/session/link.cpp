@@ -7,7 +7,7 @@ namespace diaphane::render {
 namespace {
 
 constexpr double kForgetSeconds = 0.5;
-// Seconds. The minimum of the current and the previous period counts.
+// Seconds. The round trip is the minimum of the current and the previous period.
 constexpr double kRoundTripPeriod = 5;
 constexpr double kFastest = 1e9;     // bytes per second
 constexpr double kLongestBusy = 10;  // seconds, for example after the machine was suspended

@@ -24,14 +24,14 @@ class LinkEstimate {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `seq` rises with each message.
+  /// Records a sent message. `seq` rises with each message.
   void sent(std::uint64_t seq, std::size_t bytes, Time now);
   /// Acknowledges all messages up to `seq`. Ignores numbers that were not sent or were acknowledged
   /// before.
   void acknowledged(std::uint64_t seq, Time now);
 
   bool known() const { return busy_ > 0; }
-  /// Lower than at the last acknowledgement while messages are overdue. 0: unknown.
+  /// Returns the estimated capacity, 0 if unknown. It falls while messages are overdue.
   double bytes_per_second(Time now) const;
   /// Returns the seconds from sending to acknowledgement for a message of size zero.
   double round_trip() const { return round_trip_; }

@@ -50,7 +50,7 @@ Effects LosslessTiles::handle(RoomForTiles, SessionState& state, TimePoint now) 
     sent = false;
     for (const TileDue& due : tiles_due(state, last_->info, last_->tiles, now)) {
       const v1::Still* const coded = get({due.format, due.tile}, effects);
-      // encodes the next tile while this one is in transit
+      // Encodes the next tile while this one is in transit.
       (void)get({due.format, due.tile + 1}, effects);
       if (!coded) continue;
       OutgoingFrame outgoing = depart_tile(state, due, last_->tiles, coded->data().size(), now);

@@ -21,7 +21,7 @@ struct EpochBegan {};
 struct TileCoded {
   std::uint64_t picture = 0;
   std::uint32_t tile = 0;
-  /// With its place, format and data; nullopt: it could not be encoded.
+  /// The tile's place, format and data; nullopt: it could not be encoded.
   std::optional<diaphane::v1::Still> coded;
 };
 /// A viewer may have room for another tile.
@@ -47,11 +47,11 @@ class LosslessTiles {
     std::map<Key, std::optional<diaphane::v1::Still>> coded;  // nullopt: being encoded
     bool failed = false;  // a tile could not be encoded, so there will be no lossless picture
   };
-  /// Returns null while the tile is being encoded.
+  /// Returns an encoded tile, or null while it is being encoded.
   const diaphane::v1::Still* get(const Key& key, Effects& effects);
 
   std::optional<Last> last_;
-  std::uint64_t pictures_ = 0;  // so far
+  std::uint64_t pictures_ = 0;  // number of pictures so far, from which ids are made
 };
 
 }  // namespace diaphane::render

@@ -5,16 +5,16 @@
 namespace diaphane::render {
 namespace {
 
-// A frame of the current epoch is always useful. A frame of the previous epoch is useful only as
-// the first picture of its epoch. When inputs arrive faster than pictures, all pictures are
-// slightly old, and dropping them all would show nothing until the hand rests. No frame is useful
-// after a newer one.
+// Returns whether a frame is still worth sending. A frame of the current epoch always is, and one
+// of the previous epoch only as the first picture of its epoch. When inputs arrive faster than
+// pictures, all pictures are slightly old, and dropping them all would show nothing until the hand
+// rests. No frame is useful after a newer one.
 bool useful(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
   if (frame.epoch < receiver.sent_epoch) return false;
   return frame.epoch >= state.epoch || frame.first_of_epoch;
 }
 
-// Whether the viewer already has this picture, which is encoded again for another viewer.
+// Returns whether the viewer has this picture, which is being encoded again for another viewer.
 bool has(const Receiver& receiver, const FrameInfo& frame) {
   if (!receiver.shown || receiver.behind) return false;
   const FrameInfo& shown = *receiver.shown;
@@ -23,13 +23,14 @@ bool has(const Receiver& receiver, const FrameInfo& frame) {
          shown.converged == frame.converged && shown.denoised == frame.denoised;
 }
 
-// In an inter-coded stream, later frames depend on every frame.
+// Returns whether the viewer needs this frame. Later frames of an inter-coded stream depend on it.
 bool wants(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
   if (!useful(state, receiver, frame)) return false;
   return is_inter_coded(receiver.codec) || !has(receiver, frame);
 }
 
-// The presenter sets the pace of all viewers with the same codec while they acknowledge pictures.
+// Returns the presenter if they set the pace of all viewers with the same codec: while they
+// acknowledge pictures.
 const Receiver* pacer(const SessionState& state, v1::Codec codec, TimePoint now) {
   const Receiver* presenter = state.audience.of(state.audience.presenter);
   if (!presenter || presenter->codec != codec || !is_watching(*presenter, now)) return nullptr;
@@ -38,8 +39,8 @@ const Receiver* pacer(const SessionState& state, v1::Codec codec, TimePoint now)
   return keeps_up ? presenter : nullptr;
 }
 
-// Sizes a frame for several viewers by the connection of the viewer who sets the pace, or else by
-// the fastest. Viewers without room skip it.
+// Limits a frame for several viewers to what the connection of the viewer who sets the pace
+// permits, or else the fastest connection. Slower viewers run out of room and skip frames.
 Admitted allowance(SessionState& state, const Coding& coding, const Receiver* pace, bool key,
                    TimePoint now) {
   Admitted admitted{Admission::kGo, key};
@@ -129,7 +130,7 @@ OutgoingFrames depart(SessionState& state, v1::Codec codec, const FrameInfo& fra
     const bool decodes = coded.key || !receiver->needs_key;
     if (receiver->free_camera || !decodes || !useful(state, *receiver, frame)) {
       receiver->flight.release();
-      // A newer picture follows, because a newer epoch has begun, but it depends on this frame.
+      // Later frames of an inter-coded stream depend on this dropped one.
       if (is_inter_coded(codec)) miss(*receiver);
       continue;
     }

@@ -7,28 +7,29 @@
 
 #include "renderd/session/state.h"
 
-// Decides which picture is sent to whom, when, and in what size. Rules in the style of state.h.
+// Decides which picture is sent to which viewer, when and in what size. The functions take the time
+// as an argument, lock nothing and send nothing, like those of state.h.
 
 namespace diaphane::render {
 
 /// Updates the estimate of a receiver's connection and its quality. The presenter's plan also
-/// applies to the renderer.
+/// limits the size at which moving pictures are rendered.
 void update_quality(SessionState& state, Receiver& receiver, TimePoint now);
 
 enum class Admission { kGo, kWait, kDrop };
 struct Admitted {
   Admission admission = Admission::kDrop;
   bool key = false;  ///< the frame must be decodable without earlier ones
-  // Size limits for a moving and for a settled frame, 0: none. Both are given, because a newer
-  // picture may replace the requested one.
+  // Maximum bytes of a moving and of a settled frame; 0: unlimited. Both are set, because a newer
+  // picture of the other kind may replace the requested one before it is encoded.
   std::uint32_t moving_bytes = 0;
   std::uint32_t settled_bytes = 0;
 };
-/// To be called before a picture is encoded for all receivers of `codec`. It is sent when the
-/// presenter has room. If the presenter uses another codec, is disconnected or has stalled, it is
-/// sent when any receiver has room. Receivers without room skip it. In an inter-coded stream, they
-/// then wait for a key frame. kGo has reserved places in the takers' flight windows, which `depart`
-/// or `release` must give back.
+/// Decides whether a picture is encoded now for all receivers of `codec`: as soon as the presenter
+/// has room or, if the presenter uses another codec, is disconnected or has stalled, as soon as any
+/// receiver has room. Receivers without room skip the picture. In an inter-coded stream, they then
+/// wait for a key frame. kGo has reserved places in the takers' flight windows, which `depart` or
+/// `release` must give back.
 Admitted admit(SessionState& state, diaphane::v1::Codec codec, const FrameInfo& frame,
                TimePoint now);
 
@@ -41,7 +42,7 @@ struct OutgoingFrame {
 };
 struct OutgoingFrames {
   std::vector<OutgoingFrame> frames;
-  /// Seconds, set when this frame is the first to answer an input.
+  /// Latency in seconds, set if this frame is the first to answer an input.
   std::optional<double> input_to_frame;
 };
 /// Size and type of an encoded frame.
@@ -49,10 +50,10 @@ struct CodedSize {
   bool key = true;
   std::size_t bytes = 0;
 };
-/// To be called after encoding. Returns the takers for whom the frame is still useful.
+/// Records that an encoded frame is sent. Returns the takers for whom it is still useful.
 OutgoingFrames depart(SessionState& state, diaphane::v1::Codec codec, const FrameInfo& frame,
                       CodedSize coded, TimePoint now);
-/// To be called if the frame was not encoded after all.
+/// Gives back the reserved places of a frame that was not encoded after all.
 void release(SessionState& state, diaphane::v1::Codec codec);
 
 /// Returns whether a picture for this codec would be admitted.
@@ -65,7 +66,7 @@ struct TileDue {
   diaphane::v1::StillFormat format = diaphane::v1::STILL_FORMAT_UNSPECIFIED;
 };
 /// Returns due tiles of the converged picture `last`, which has `tiles` tiles, for receivers that
-/// have its frame, have room and lack tiles. Empty once a newer epoch has begun.
+/// have its frame, have room and lack tiles. Returns none once a newer epoch has begun.
 std::vector<TileDue> tiles_due(const SessionState& state, const FrameInfo& last,
                                std::uint32_t tiles, TimePoint now);
 /// Marks a tile as sent. `state` is set after the last tile, when the viewer has the lossless

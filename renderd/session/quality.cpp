@@ -10,8 +10,8 @@ namespace {
 // As in schedule/canvas.cpp: the number of pixels falls by about half per step.
 constexpr std::array<double, 7> kScales{1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125};
 constexpr double kFramesPerSecond = 24;  // minimum frame rate of a moving picture
-constexpr double kUse = 0.85;            // share of the capacity; the rest drains the queue
-// A settled frame may fill the link for this long, which delays new input.
+constexpr double kUse = 0.85;            // usable share of the capacity; the rest drains the queue
+// Seconds for which a settled frame may fill the link, which delays the answer to a new input.
 constexpr double kSettledSeconds = 0.3;
 constexpr double kSlackSeconds = 0.04;  // seconds of data in transit beyond a round trip
 constexpr double kMargin = 1.3;         // margin by which a better step must fit

@@ -8,12 +8,12 @@ namespace {
 enum class Rule {
   kNever,
   kAlways,
-  kPresenting,  ///< while this viewer presents
-  kSteering,    ///< while this viewer presents or has a camera of their own
-  kWithSlices,  ///< if the owner or host allows slices for this viewer
-  kShowing,     ///< while this viewer presents, and if slices are allowed
-  kPointing,    ///< while this viewer presents, and if the presenter allows pointers of guests
-  kLocating,    ///< while this viewer points or steers, because marks are made on surfaces
+  kPresenting,  ///< allowed while this viewer presents
+  kSteering,    ///< allowed while this viewer presents or has a camera of their own
+  kWithSlices,  ///< allowed if the owner or host allows slices for this viewer
+  kShowing,     ///< allowed while this viewer presents, and if slices are allowed
+  kPointing,    ///< allowed while this viewer presents, or if the presenter allows pointers
+  kLocating,    ///< allowed while this viewer points or steers, because marks are on surfaces
 };
 
 struct Row {

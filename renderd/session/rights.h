@@ -10,17 +10,17 @@ namespace diaphane::render {
 
 /// The kind of viewer, which the gateway determines for each connection (worker.proto).
 enum class ViewerKind {
-  kOwner,          ///< of the scan
+  kOwner,          ///< the owner of the scan
   kShared,         ///< an account with which the scan is shared
   kPublic,         ///< an account that views a public scan of another user
-  kLinkVisitor,    ///< without an account, through a link to the scan
-  kSampleVisitor,  ///< without an account, viewing a sample
-  kGuest,          ///< through a link to a session, with or without an account
+  kLinkVisitor,    ///< a visitor without an account who opened a link to the scan
+  kSampleVisitor,  ///< a visitor without an account who views a sample
+  kGuest,          ///< anyone who opened a link to a session, with or without an account
 };
 inline constexpr std::array kViewers{ViewerKind::kOwner,         ViewerKind::kShared,
                                      ViewerKind::kPublic,        ViewerKind::kLinkVisitor,
                                      ViewerKind::kSampleVisitor, ViewerKind::kGuest};
-/// Unknown values have the fewest rights.
+/// Converts from the protocol. Unknown values become kGuest, which has the fewest rights.
 ViewerKind viewer_of(diaphane::v1::Viewer viewer);
 
 /// The requests of a page. A SceneUpdate without a scene only reports the size of the page's
@@ -62,7 +62,7 @@ inline constexpr std::array kRequests{
     RequestKind::kPointer,    RequestKind::kGuestPointers, RequestKind::kSharedTaken,
     RequestKind::kMarks,      RequestKind::kMarkSight,     RequestKind::kRaiseHand,
     RequestKind::kFileMark};
-/// Returns nullopt for a message that is empty or of a newer page.
+/// Returns the kind of a message, or nullopt if it is empty or of a newer page.
 std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message);
 
 /// The current state of a viewer.
@@ -74,7 +74,8 @@ struct ViewerRights {
   bool pointers = true;  ///< the presenter allows pointers and marks of guests
 };
 
-/// The only table of access rights for the requests to a session.
+/// Returns whether a viewer may send a request. Its table is the only one with a session's access
+/// rights.
 bool may(const ViewerRights& rights, RequestKind request);
 
 enum class SliceAccess {

@@ -20,18 +20,18 @@ struct SavedSession {
   bool guest_slices = false;
 };
 
-/// State with which Redis can restore the session after it lost all data.
+/// State from which the session is restored in Redis after Redis has lost all data.
 struct RecoveryRecord {
   SavedSession saved;
   std::string user_id;
   std::string volume_id;
-  std::vector<std::string> links;  ///< by which guests joined
+  std::vector<std::string> links;  ///< links by which guests joined
   bool visitor = false;
 };
 
-/// Returns the scene if Redis has an older one, and marks it as saved.
+/// Returns the state to save if Redis has an older one, and marks it as saved.
 std::optional<SavedSession> take_unsaved(SessionState& state);
-/// Returns nullopt until a scene is set. `visitor`: of a user without an account.
+/// Returns nullopt until a scene is set. `visitor`: the user has no account.
 std::optional<RecoveryRecord> recovery_record(const SessionState& state, const std::string& user_id,
                                               bool visitor);
 

@@ -27,12 +27,12 @@ class Bucket {
 class SliceAllowance {
  public:
   using TimePoint = Bucket::TimePoint;
-  /// Per viewer: two planes that follow a crosshair at 60 frames per second.
+  /// Slices per second and viewer: two planes that follow a crosshair at 60 frames per second.
   static constexpr double kMostASecond = 120;
   /// Five minutes of uninterrupted scrolling at one slice per displayed frame, which is more than
   /// ten times all slices of 512 x 512 x 512 voxels.
   static constexpr double kInARow = 20'000;
-  /// Rate after that burst, which refills it in about an hour.
+  /// Slices per second after that burst. At this rate, the burst is refilled in about an hour.
   static constexpr double kMostASecondThen = 5;
   /// All guests of a session together, as a multiple of one viewer.
   static constexpr double kGuestsTogether = 4;
@@ -43,7 +43,7 @@ class SliceAllowance {
         total_(viewers * kInARow, viewers * kMostASecondThen) {}
 
   bool empty(TimePoint now);
-  /// Precondition: a token is available.
+  /// Takes one token. Precondition: a token is available.
   void take();
 
  private:
@@ -54,7 +54,8 @@ class SliceAllowance {
 /// the previous one's.
 class SliceAllowances {
  public:
-  /// Further participants share one, because creating participant ids costs nothing.
+  /// Participants with an allowance of their own. Further ones share one, because creating
+  /// participant ids costs nothing.
   static constexpr std::size_t kMostViewers = 256;
 
   /// Takes one slice for this participant. Returns false if it must wait.

@@ -24,10 +24,10 @@ class SliceRequestQueue {
  public:
   static constexpr std::uint64_t kUnderWay = 3;  ///< sent, but not yet acknowledged
 
-  /// Takes a viewer's requests. kInvalid, naming the field, if they do not fit the stacks, and then
-  /// nothing changes.
+  /// Replaces a viewer's requests. Fails with kInvalid, naming the field, and changes nothing if
+  /// they do not fit the stacks.
   Result<void> replace(const diaphane::v1::SliceRequest& request, const SliceStacks& stacks);
-  /// Whether a slice can be taken now.
+  /// Returns whether a slice can be taken now.
   bool ready() const { return !preparing_ && waiting() && seq_ - taken_ < kUnderWay; }
   /// Returns the next slice to read and encode, in turn by plane. The next one can be taken after
   /// this one was sent or given up.
@@ -40,7 +40,7 @@ class SliceRequestQueue {
   void put_back();
   /// Drops all requests.
   void forget();
-  /// Whether there is a request, even if it cannot be taken now.
+  /// Returns whether there is a request, even if it cannot be taken now.
   bool waiting() const;
 
  private:

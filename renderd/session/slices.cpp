@@ -12,7 +12,7 @@ bool same_clip(const std::optional<v1::Clip>& a, const std::optional<v1::Clip>& 
   return google::protobuf::util::MessageDifferencer::Equals(*a, *b);
 }
 
-/// Returns nullopt if this viewer may not receive slices.
+/// Returns the order for a slice, or nullopt if this viewer may not receive slices.
 std::optional<SliceOrder> order_of(const SessionState& state, const Receiver& receiver,
                                    const SliceDue& due) {
   switch (slice_access(state.audience.rights(receiver))) {

@@ -10,7 +10,7 @@
 
 namespace diaphane::render {
 
-/// The volume is loaded whose slices can be requested.
+/// The volume whose slices can be requested is loaded.
 struct SlicesKnown {
   SliceStacks stacks;
 };
@@ -43,7 +43,7 @@ class Slices {
   Effects handle(SceneChanged event, SessionState& state);
   Effects handle(AllViewersLeft event);
 
-  /// Empty until the volume is loaded.
+  /// Returns nullopt until the volume is loaded.
   const std::optional<SliceStacks>& stacks() const { return stacks_; }
 
  private:
@@ -51,7 +51,7 @@ class Slices {
                  TimePoint now) const;
 
   std::optional<SliceStacks> stacks_;
-  // kept while a viewer who requested slices is connected
+  // Kept while a viewer who requested slices is connected.
   std::shared_ptr<const HostVolume> voxels_;
   bool loading_ = false;
   std::shared_ptr<const diaphane::v1::Scene> clipped_by_;  // the scene whose clip applies

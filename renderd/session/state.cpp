@@ -36,7 +36,7 @@ void note_input(SessionState& state, std::uint64_t input_seq, bool rest, TimePoi
   }
 }
 
-// The presenter's page determines the size of the picture.
+// Takes the picture's size from the presenter's page. Returns whether it changed.
 bool take_viewport(SessionState& state, const Receiver& receiver) {
   const Canvas viewport = receiver.viewport;
   if (viewport.width == 0 || viewport == state.requested.viewport) return false;
@@ -253,7 +253,8 @@ Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Hand
   return outcome;
 }
 
-/// Guests' slices that are not sent yet must not arrive after they are turned off or closed.
+/// Drops requests for slices that guests may no longer receive after slices were turned off or
+/// closed.
 void forget_guest_slices(Audience& audience) {
   for (Receiver& one : audience.receivers) {
     if (slice_access(audience.rights(one)) == SliceAccess::kNone) one.slices.forget();
@@ -270,7 +271,7 @@ Outcome receive_guest_slices(SessionState& state, bool on) {
   return outcome;
 }
 
-/// Collaboration passes the view on. This is about what guests can get.
+/// Updates which slices guests may request. Collaboration passes the presenter's view on.
 Outcome receive_slice_view(SessionState& state, const v1::SliceView& view) {
   Outcome outcome;
   const bool shown = view.layout() != v1::SliceView::LAYOUT_UNSPECIFIED;
@@ -286,7 +287,7 @@ Outcome receive_guest_pointers(SessionState& state, bool on) {
   return outcome;
 }
 
-/// Everyone can lower their own hand, and the presenter anyone's.
+/// Raises or lowers a hand. Everyone can lower their own hand, and the presenter anyone's.
 Outcome receive_hand(SessionState& state, Receiver& receiver, const v1::RaiseHand& hand) {
   const bool own = hand.of().empty() || hand.of() == receiver.participant;
   if (!own && (hand.on() || !state.audience.presents(receiver))) {
@@ -326,7 +327,7 @@ v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal) 
 
 Result<Effort> check_effort(const v1::Effort& effort) {
   const double error = effort.stop_error(), scale = effort.moving_scale();
-  // NaN is in no range.
+  // These conditions refuse NaN as well.
   if (!(error >= 0 && error <= 1)) {
     return fail(ErrorCode::kInvalid, "The target error must be between 0 and 1.",
                 "effort.stop_error");
@@ -554,7 +555,7 @@ void began(SessionState& state, std::uint64_t epoch, const ViewRequest& requeste
 Outcome refused(SessionState& state, const ViewRequest& requested, const Error& why) {
   Outcome outcome;
   outcome.problem = problem_of(why, requested.input_seq, false);
-  // If something newer arrived meanwhile, it is tried on its own.
+  // A newer request that arrived meanwhile is tried on its own.
   if (state.requested.version == requested.version && state.shown.scene) {
     state.requested.scene = state.shown.scene;
     state.requested.viewport = state.shown.viewport;

@@ -14,19 +14,19 @@
 
 namespace diaphane::render {
 
-/// The complete state of one session as plain data. Its rules are the functions below, and those
-/// of pictures.h for what was sent. They
-/// take the time as an argument, lock nothing and send nothing, but return what is to be done.
+/// The complete state of one session as plain data. Its rules are the functions below and those of
+/// pictures.h. They take the time as an argument, lock nothing and send nothing, but return what is
+/// to be done.
 struct SessionState {
   std::string id;
   std::string volume_id;
   std::uint64_t placement = 0;
-  std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< that this worker can encode
+  std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< codecs of this worker
 
   ViewRequest requested;  ///< the newest accepted request
   /// The newest request that the renderer accepted, which is restored after a refusal.
   ViewRequest shown;
-  std::uint64_t epoch = 0;  ///< of the current picture
+  std::uint64_t epoch = 0;  ///< epoch of the current picture
 
   Audience audience;
   TimePoint detached_since{};  ///< valid while no viewer is connected
@@ -36,8 +36,8 @@ struct SessionState {
   std::uint64_t measured_input = 0;
   std::optional<TimePoint> measured_since;
 
-  /// The session of a follower's free camera: only the camera of its scenes counts, and the rest is
-  /// the presenter's.
+  /// Whether this is the session of a follower's free camera. The follower's scenes then set only
+  /// the camera, and the rest is the presenter's.
   bool camera_only = false;
   bool unsaved = false;  ///< Redis has an older scene or presenter
 };
@@ -61,9 +61,9 @@ inline constexpr std::uint32_t kLargestSide = 4096;
 inline constexpr double kSmallestMovingScale = 0.1;
 
 diaphane::v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal);
-/// kInvalid, naming the field.
+/// Converts a viewer's limits. Fails with kInvalid, naming the field.
 Result<Effort> check_effort(const diaphane::v1::Effort& effort);
-/// kInvalid or kTooLarge, naming the side.
+/// Converts the size of a page's picture. Fails with kInvalid or kTooLarge, naming the side.
 Result<Canvas> check_viewport(const diaphane::v1::Viewport& viewport);
 /// Maximum pixels of a visitor's picture: those of 2560 x 1440.
 inline constexpr double kMostVisitorPixels = 2560.0 * 1440.0;
@@ -71,10 +71,10 @@ inline constexpr double kMostVisitorPixels = 2560.0 * 1440.0;
 /// viewport has more than kMostVisitorPixels. The page scales it up.
 Canvas visitor_canvas(Canvas viewport);
 
-/// A new connection.
+/// The viewer of a new connection.
 struct JoinRequest {
   std::string participant{kOwner};
-  std::string name;  ///< as entered
+  std::string name;  ///< the name as entered
   std::string link;
   ViewerKind viewer = ViewerKind::kGuest;
   bool may_have_slices = false;
@@ -83,7 +83,7 @@ struct Attached {
   std::uint64_t connection = 0;
   std::optional<std::uint64_t> replaced;  ///< the participant's previous connection
 };
-/// kTooMany: there are kMostReceivers already.
+/// Adds a connection. Fails with kTooMany if there are kMostReceivers already.
 Result<Attached> attach(SessionState& state, const JoinRequest& join, TimePoint now);
 /// Removes a connection and its messages in transit. Ignores unknown numbers.
 void detach(SessionState& state, std::uint64_t connection, TimePoint now);
@@ -104,14 +104,15 @@ std::optional<diaphane::v1::Problem> refused_request(const SessionState& state,
 Outcome receive(SessionState& state, std::uint64_t connection,
                 const diaphane::v1::ClientMessage& message, TimePoint now);
 
-/// The renderer accepted or refused the requested scene. The Problem is sent to the presenter.
+/// Records that the renderer accepted or refused the requested scene. The Problem of a refusal is
+/// sent to the presenter.
 void began(SessionState& state, std::uint64_t epoch, const ViewRequest& requested);
 Outcome refused(SessionState& state, const ViewRequest& requested, const Error& why);
 
 /// Returns connections that have not sent a greeting in time.
 std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now);
 
-/// Whether any viewer would benefit from further rendering.
+/// Returns whether any viewer would benefit from further rendering.
 bool watched(const SessionState& state, TimePoint now);
 
 }  // namespace diaphane::render

@@ -12,23 +12,23 @@ namespace diaphane::render {
 struct Effort {
   double stop_error = 0;           ///< relative; 0: the worker's default
   std::uint64_t stop_samples = 0;  ///< per pixel; 0: the worker's default
-  double moving_scale = 1;         ///< largest share of the viewport's sides while moving
+  double moving_scale = 1;         ///< maximum size while moving, relative to the viewport's sides
 };
 
-/// What a viewer currently requests. Absolute, so that the newest replaces all earlier ones.
+/// A viewer's current request. It is complete, so that the newest replaces all earlier ones.
 struct ViewRequest {
   std::uint64_t version = 0;  ///< rises exactly when another picture is requested
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas viewport;
   std::uint64_t input_seq = 0;  ///< the newest input that it contains
   std::chrono::steady_clock::time_point last_input{};
-  bool rest = false;       ///< that input is the last of its gesture
-  bool full_size = false;  ///< no picture may be smaller than the viewport, as for another worker
+  bool rest = false;       ///< whether that input is the last of its gesture
+  bool full_size = false;  ///< whether no picture may be smaller than the viewport
   bool visible = true;
   bool room = true;  ///< the encoder's slot is free and the viewer keeps up
-  bool raw = false;  ///< without denoiser
+  bool raw = false;  ///< whether the picture is shown without denoising
   Effort effort;
-  /// Largest share of the viewport's sides while moving that the connection permits.
+  /// Maximum size while moving that the connection permits, relative to the viewport's sides.
   double moving_scale = 1;
   bool picture_again = false;  ///< a picture is due although nothing changed
   bool kernel_report = false;  ///< RenderClient::kernel is due with the next picture
@@ -54,32 +54,35 @@ struct RenderedPicture {
   PictureRgb8 picture;
 };
 
-/// A session, whatever the number of its viewers, as the runner sees it. Called by one of the
-/// runner's threads at a time. Must not block for long.
+/// The runner's interface to a session, which may have any number of viewers. Only one of the
+/// runner's threads calls it at a time. Its functions must not block for long.
 class RenderClient {
  public:
   virtual ~RenderClient() = default;
-  /// Whether the picture is rendered for another worker.
+  /// Returns whether the picture is rendered for another worker.
   virtual bool of_another_worker() const { return false; }
-  /// Whether it belongs to a user without an account. Such clients together get a limited share of
-  /// the device.
+  /// Returns whether it belongs to a user without an account. Such clients together get a limited
+  /// share of the device.
   virtual bool of_visitor() const { return false; }
-  /// Also marks `picture_again` as read, because the runner acts on it at once.
+  /// Returns the request and marks its `picture_again` as read, because the runner acts on it at
+  /// once.
   virtual ViewRequest requested() = 0;
   /// Returns ViewRequest::version without a lock. Polled while rendering.
   virtual std::uint64_t version() const noexcept = 0;
-  /// The renderer accepted `requested`. Its pictures carry `epoch`.
+  /// Reports that the renderer accepted `requested`. The new pictures carry `epoch`.
   virtual void began(std::uint64_t epoch, const ViewRequest& requested) = 0;
-  /// The renderer refused `requested`. The previous picture stays.
+  /// Reports that the renderer refused `requested`. The previous picture stays.
   virtual void refused(const ViewRequest& requested, const Error& why) = 0;
-  /// The batch's seconds are the session's own, at most its part of a shared device.
+  /// Reports a batch of samples. Its seconds are the session's own, at most its part of a shared
+  /// device.
   virtual void rendered(const Batch& batch) = 0;
-  /// The film after a batch. Its seconds include preparing the scene. `moving`: FrameInfo::moving.
+  /// Reports the film's progress after a batch. Its seconds include preparing the scene. `moving`:
+  /// FrameInfo::moving.
   virtual void progressed(const Progress&, bool /*moving*/) {}
   virtual void picture(RenderedPicture picture) = 0;
-  /// Reports how it is rendered, after a picture for which this was requested.
+  /// Reports how pictures are rendered, after a picture for which this was requested.
   virtual void kernel(const KernelReport&) {}
-  /// The session cannot continue. The runner has dropped it.
+  /// Reports that the session cannot continue. The runner has dropped it.
   virtual void failed(const Error& why) = 0;
 };
 

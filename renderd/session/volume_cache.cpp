@@ -61,7 +61,7 @@ std::vector<VolumeCache::Outdated> VolumeCache::forget_outdated() {
     const volume::Header& header = copy->header();
     if (!now || *now == volume::version_of(header) || !forget(key, copy)) continue;
     const bool only_labels = !now->empty() && now->substr(0, now->find(' ')) == header.content_hash;
-    // Both copies of a volume follow each other.
+    // The copies of a volume with and without its surroundings are neighbours in the map.
     if (forgotten.empty() || forgotten.back().id != key.id) {
       forgotten.push_back({key.id, only_labels});
     }

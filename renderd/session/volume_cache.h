@@ -41,8 +41,8 @@ class VolumeCache {
   /// outdated.
   using Stored = std::function<std::optional<std::string>(const std::string& id)>;
 
-  /// `bound` is in bytes as DeviceVolume counts them. With `stored`, copies that are no longer in
-  /// the store are never returned, and forget_outdated() drops them.
+  /// Limits the volumes to `bound` bytes as DeviceVolume counts them. With `stored`, copies that
+  /// are no longer in the store are never returned, and forget_outdated() drops them.
   VolumeCache(Load load, std::uint64_t bound, unsigned threads = 1, Stored stored = {});
   /// Waits for the load in progress. Loads that have not begun end with kUnavailable.
   ~VolumeCache();
@@ -50,8 +50,8 @@ class VolumeCache {
   VolumeCache& operator=(const VolumeCache&) = delete;
 
   /// Calls `ready` once: immediately if the volume is loaded, else from a loading thread. A failure
-  /// is reported to all waiting callers and not remembered. kOutOfMemory: all loaded volumes are in
-  /// use, and this one does not fit beside them.
+  /// is reported to all waiting callers and not remembered. Fails with kOutOfMemory if all loaded
+  /// volumes are in use and this one does not fit beside them.
   void get(const VolumeKey& key, Ready ready);
 
   struct Outdated {

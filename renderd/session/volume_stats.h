@@ -32,7 +32,7 @@ class VolumeStatsCache {
   void forget_expired();
   /// Returns empty statistics if they are unknown.
   VolumeStats of(const DeviceVolume& volume) const;
-  /// Returns whole_box() if it is unknown.
+  /// Returns the framing of a volume, or whole_box() if it is unknown.
   Framing framing_of(const DeviceVolume& volume) const;
 
  private:
