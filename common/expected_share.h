@@ -19,7 +19,8 @@ class ExpectedShare {
     seconds_ = seconds_ * kept + seconds;
     taken_ = taken_ * kept + device_seconds;
   }
-  /// `of_anybody` is the prior: the share of one slot, assumed for an unknown session.
+  /// Returns the estimate. `of_anybody` is the prior: the share of one slot, for an unknown
+  /// session.
   double value(double of_anybody) const {
     return (kPrior * of_anybody + taken_) / (kPrior + seconds_);
   }

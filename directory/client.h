@@ -44,7 +44,7 @@ class Client {
   /// Runs EVALSHA without keys, or EVAL if Redis does not know the script, for example after a
   /// restart.
   Result<Reply> run(const Script& script, const Arguments& arguments);
-  /// Whether Redis answers a PING within `timeout`.
+  /// Returns whether Redis answers a PING within `timeout`.
   bool answers(std::chrono::milliseconds timeout);
 
  private:

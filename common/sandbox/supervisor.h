@@ -41,7 +41,8 @@ struct ChildEnd {
 
 /// Runs a child with an empty environment and no open descriptors but those above, and waits for
 /// its end. It is killed at its time limit, when `should_continue` (called every 50 ms) returns
-/// false, and by the kernel when the calling thread ends. kInternal when it cannot be started.
+/// false, and by the kernel when the calling thread ends. Returns kInternal if it cannot be
+/// started.
 Result<ChildEnd> run_child(const ChildCommand& command,
                            const std::function<bool()>& should_continue);
 

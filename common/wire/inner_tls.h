@@ -43,7 +43,7 @@ InnerTls read_inner_tls(ConfigReader& in, Role own);
 /// Returns kInvalid with the name of the file if the files cannot be used.
 Result<void> check(const TlsFiles& files);
 
-/// Whether `address` (a host or host:port) is 127.0.0.0/8, ::1, localhost or unix:/path.
+/// Returns whether `address` (a host or host:port) is 127.0.0.0/8, ::1, localhost or unix:/path.
 bool is_this_machine(std::string_view address);
 
 /// Returns kInvalid, with advice, if `address` requires TLS but would be reached without it.

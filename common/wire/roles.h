@@ -12,12 +12,12 @@ namespace diaphane::wire {
 /// alternative names for each of its roles.
 enum class Role { kApi, kGateway, kRenderd, kOperator };
 
-/// "gateway"
+/// Returns the name of the role, such as "gateway".
 std::string_view to_string(Role role);
-/// "spiffe://diaphane/gateway"
+/// Returns the URI of the role, such as "spiffe://diaphane/gateway".
 std::string role_uri(Role role);
 
-/// Whether one of a certificate's URIs is that of the role.
+/// Returns whether one of a certificate's URIs is that of the role.
 bool has_role(const std::vector<std::string>& uris, Role role);
 
 /// Returns the roles among `uris`, in words for a message: "no role" or "the role api".

@@ -6,13 +6,13 @@
 local worker_key, entries = keys.worker(ARGV[1]), keys.worker_sessions(ARGV[1])
 local now = now_ms()
 
--- A worker with fresh heartbeats owns its name. At the same address it must be the previous process, which has ended
--- because a port has only one owner, so this worker takes over immediately.
+-- A worker with fresh heartbeats owns its name. A worker at the same address must be the previous process, which has
+-- ended because a port has only one owner, so this worker takes over immediately.
 local stored = redis.call('HMGET', worker_key, 'incarnation', 'address')
 local before = stored[1]
 if before and before ~= ARGV[2] and stored[2] and stored[2] ~= ARGV[3] then return {'name_taken', stored[2]} end
 
--- The sessions of the previous process ended with it. Reservations made since are for this one.
+-- The sessions of the previous process ended with it. Reservations made from now on are for this one.
 if before and before ~= ARGV[2] then
   redis.call('DEL', entries)
 end
@@ -25,7 +25,7 @@ for i = 12, #ARGV, 3 do
   local id, placement, is_visitor = ARGV[i], ARGV[i + 1], ARGV[i + 2] == '1'
   local key = keys.session(id)
   local there = redis.call('HMGET', key, 'worker', 'placement')
-  -- If the hash is merely missing, Redis was lost, and the session continues.
+  -- If only the session's hash is missing, Redis has lost its data, and the session continues.
   local ended = redis.call('EXISTS', keys.session_ended(id)) == 1
   if ended or there[1] and there[1] ~= ARGV[1] and tonumber(there[2] or 0) > tonumber(placement) then
     redis.call('ZREM', entries, id)
