@@ -53,8 +53,8 @@ struct LabelInput {
   volume::Header scan;
 };
 
-/// Builds a volume from an upload, cuts a stored volume, or places labels on its grid, isolated
-/// from the contents of all of them.
+/// Builds a volume from an upload, cuts a stored volume, or places labels on its grid. Whatever the
+/// contents of its input, they cannot affect this process.
 class Builder {
  public:
   using ShouldContinue = std::function<bool()>;
@@ -108,7 +108,7 @@ class SandboxBuilder final : public Builder {
   std::optional<DirectoryId> uploads_;  ///< where the last upload was found
 };
 
-/// Run in the child, with `arguments` as SandboxBuilder passes them.
+/// Main functions of the children. `arguments` come from SandboxBuilder. Return the exit code.
 int run_child_with(const std::vector<std::string>& arguments);
 int run_cut_child_with(const std::vector<std::string>& arguments);
 int run_label_child_with(const std::vector<std::string>& arguments);
