@@ -75,7 +75,7 @@ std::string clean_label_name(std::string_view name) {
   clean = clean.substr(begin, clean.find_last_not_of(' ') + 1 - begin);
   if (clean.size() > kLongestLabelName) {
     std::size_t end = kLongestLabelName;
-    // A character is kept whole or not at all.
+    // Does not cut through a character.
     while (end > 0 && (static_cast<std::uint8_t>(clean[end]) & 0xc0) == 0x80) --end;
     clean.resize(end);
     while (!clean.empty() && clean.back() == ' ') clean.pop_back();

@@ -28,7 +28,7 @@ constexpr const char* kSweepLock = ".sweep";
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 static_assert(kPiece % Seal::kBlock == 0);
 
-/// Returns "<id>.<tag>.sealed".
+/// Returns the file name of a copy, "<id>.<tag>.sealed".
 std::string name_of(const std::string& id, const Seal& seal) {
   return id + "." + seal.tag() + kSuffix;
 }
@@ -59,8 +59,8 @@ class FileLock {
   bool held_ = false;
 };
 
-/// Uses the precise clock, because timestamps that the file system sets itself advance only every
-/// few milliseconds.
+/// Marks the file as just used. Uses the precise clock, because timestamps that the file system
+/// sets itself advance only every few milliseconds.
 void mark_used(int file) {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);

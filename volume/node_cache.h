@@ -68,7 +68,7 @@ class NodeCache {
 
   /// Copies a volume that read() returned, in a background thread, unless the copy exists.
   void keep(Volume volume);
-  /// Whether keep() would make a copy of this volume, because there is none yet.
+  /// Returns whether keep() would make a copy of this volume, because there is none yet.
   bool misses(const Volume& volume) const;
   /// Waits until the copy that keep() started is finished.
   void wait();

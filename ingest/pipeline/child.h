@@ -18,7 +18,7 @@ inline constexpr const char* kChildWord = "build-series";
 /// Exit codes of a child that gives no verdict. The first three are as in sysexits.h. All but the
 /// last are temporary conditions, so the upload is kept.
 inline constexpr int kChildNoSandbox = 70;
-/// Below its own limit, so the machine has too little memory.
+/// An allocation failed below the child's own limit, so the machine has too little memory.
 inline constexpr int kChildNoMemory = 71;
 inline constexpr int kChildDiskFails = 74;  ///< cannot read the input or write the output
 inline constexpr int kChildNoRoom = 75;     ///< the disk is full or would become full

@@ -11,7 +11,7 @@
 
 namespace diaphane::ingest {
 
-/// What to keep of a stored volume.
+/// An order to keep only a part of a stored volume.
 struct CutOrder {
   volume::Region region;
   std::string of;  ///< content hash of the volume at the time of the order
@@ -72,10 +72,10 @@ class JobStore {
   virtual Result<std::optional<Job>> claim() = 0;
   /// Extends the lease.
   virtual Result<Hold> renew(const Job& job) = 0;
-  /// `head` is the JSON of the head finding (ingest/head). In one transaction, the data set becomes
-  /// "ready", and the job and the upload's row are deleted and its file is noted for deletion.
-  /// kOverQuota: the owner's other data sets leave no room for `bytes`, so the data set becomes
-  /// "refused" and the volume is noted for disposal.
+  /// Completes a job with a volume. `head` is the JSON of the head finding (ingest/head). In one
+  /// transaction, the data set becomes "ready", and the job and the upload's row are deleted and
+  /// its file is noted for deletion. Returns kOverQuota if the owner's other data sets leave no
+  /// room for `bytes`, so that the data set becomes "refused" and the volume is noted for disposal.
   virtual Result<Hold> finish_ready(const Job& job, const volume::Header& header,
                                     std::uint64_t bytes, const std::string& head) = 0;
   /// Marks the data set as "refused" with a reason, and otherwise does the same as finish_ready().
@@ -95,7 +95,7 @@ class JobStore {
   /// finish_ready().
   virtual Result<Hold> finish_labels(const Job& job, const volume::LabelSet& labels,
                                      std::uint64_t bytes) = 0;
-  /// Gives the owner the reason why the labels were refused. The scan keeps earlier ones.
+  /// Gives the owner the reason why the labels were refused. The scan keeps its earlier labels.
   virtual Result<Hold> finish_labels_refused(const Job& job, const std::string& code,
                                              const std::string& text) = 0;
   /// Requeues the job without counting this attempt.

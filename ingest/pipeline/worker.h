@@ -70,8 +70,8 @@ class Worker {
   void work_cut(const Job& job);
   void finish_cut(const Job& job, const volume::Volume& volume);
   void refuse_cut(const Job& job, const std::string& text);
-  /// Returns a callback that tells whether work on a job should continue and renews its lease
-  /// periodically.
+  /// Returns a callback that renews the job's lease periodically and returns whether work on it
+  /// should continue.
   Builder::ShouldContinue keep_going(const Job& job, Hold& hold);
   Result<void> store(const Job& job, volume::Volume& volume);
   void give_back(const Job& job);
@@ -84,7 +84,7 @@ class Worker {
   void note_postgres(bool available);
   void pause(std::chrono::milliseconds span);
   bool stop_is_due();
-  /// Retries until Postgres answers or a stop is requested.
+  /// Retries `ask` until Postgres answers, or until the grace period after a stop request is over.
   template <typename Ask>
   auto insist(Ask ask) -> decltype(ask());
   std::string upload_path(const Job& job) const;

@@ -5,8 +5,8 @@
 
 namespace diaphane::kube {
 
-/// How long to wait after a failure: doubles with each failure, with jitter, and restarts when the
-/// last failure was long ago. The numbers are those of client-go's reflector.
+/// The pause after a failure. It doubles with each failure, with jitter, and is reset when the last
+/// failure was long ago. The numbers are those of client-go's reflector.
 class Backoff {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -19,8 +19,8 @@ class Backoff {
   Backoff() = default;
   explicit Backoff(Options options) : options_(options) {}
 
-  /// `random` in [0, 1) adds up to the same time again, so that clients that failed together do not
-  /// retry together.
+  /// Returns the pause after a failure at `now`. `random` in [0, 1) adds up to the same time again,
+  /// so that clients that failed together do not retry together.
   std::chrono::milliseconds next(Time now, double random);
 
  private:

@@ -34,7 +34,7 @@ class EventLog {
   };
   /// `run` is part of the Events' names, so that they differ between runs.
   explicit EventLog(std::string run) : run_(std::move(run)) {}
-  /// Returns nullopt if the event is only counted for now.
+  /// Records an event. Returns nullopt if it is only counted for now.
   std::optional<Write> note(const Happened& what, Time now);
   std::size_t remembered() const { return written_.size(); }
 

@@ -98,8 +98,9 @@ enum class DrainReason {
   kFailing
 };
 
-/// Never unset, because a draining worker never accepts sessions again. A decision by an operator
-/// that has lost its lease is therefore late, but not wrong.
+/// A decision to drain a worker. It is never unset, because a draining worker never accepts
+/// sessions again. A decision by an operator that has lost its lease is therefore late, but not
+/// wrong.
 struct Drain {
   DrainReason reason = DrainReason::kDeleted;
   Seconds since = 0;

@@ -47,7 +47,7 @@ Seconds patience(const WorkerView& view, const ClusterState& world) {
   return reporting ? kHeartbeat : kFresh;
 }
 
-/// Whether at least half of the pods that have been ready for a while send telemetry.
+/// Returns whether at least half of the pods that have been ready for a while send telemetry.
 bool fresh(const FleetView& fleet, const ClusterState& world) {
   std::size_t expected = 0, reporting = 0;
   for (const WorkerView* view : fleet.workers) {
