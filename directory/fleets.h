@@ -30,13 +30,13 @@ struct WorkerReport {
 
 struct FleetPage {
   std::string next;                 ///< cursor of the next page; kFirstPage after the last one
-  std::vector<FleetDemand> demand;  ///< of the requested fleets, in their order
+  std::vector<FleetDemand> demand;  ///< demand for the requested fleets, in their order
   /// A worker that joins or leaves between pages may be missing, and any may be on two pages.
   std::vector<WorkerReport> workers;
 };
 inline constexpr std::string_view kFirstPage = "0";
 
-/// A worker that must be told to drain.
+/// A worker that is to drain.
 struct DrainRequest {
   std::string worker_id;
   std::string owner;  ///< ignored by a worker with another owner

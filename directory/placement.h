@@ -13,7 +13,7 @@ namespace diaphane::directory {
 
 /// A session, which is stored only in Redis.
 struct SessionInfo {
-  std::string id;       ///< in the form of common/ids.h
+  std::string id;       ///< an ID as in common/ids.h
   std::string user_id;  ///< the user who opened it; it does not exist for anyone else
   std::string data_set_id;
   std::string worker_id;  ///< the worker of the last placement
@@ -112,7 +112,7 @@ struct Attachment {
   std::uint32_t width = 0, height = 0;  ///< last known viewport; 0 if there is none yet
   /// Participant ID of the last known presenter; empty for the owner.
   std::string presenter;
-  std::string participant, name, link;  ///< of a guest, as in PlaceRequest
+  std::string participant, name, link;  ///< set for a guest, as in PlaceRequest
   SessionViewer viewer = SessionViewer::kGuest;
   bool slices = false;
   bool guest_slices = false;  ///< last known value: guests of the session may get exact slices

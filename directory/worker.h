@@ -51,7 +51,7 @@ struct SavedScene {
   std::uint64_t placement = 0;
   std::string scene;  ///< a serialised diaphane.v1.Scene
   std::uint64_t input_seq = 0;
-  std::uint32_t width = 0, height = 0;  ///< of the viewport
+  std::uint32_t width = 0, height = 0;  ///< size of the viewport
   std::string presenter;                ///< participant ID; empty for the owner
   bool guest_slices = false;
 };
@@ -79,7 +79,7 @@ struct PeerQuery {
   double asked = 0;  ///< current demand of its own sessions, in devices
   /// Share of its device used for other workers' sessions. nullopt means that it lends nothing.
   std::optional<double> lent;
-  std::string fleet;                 ///< only peers of this fleet are returned; empty: of no fleet
+  std::string fleet;                 ///< fleet of the peers to return; empty: those without a fleet
   std::size_t random = 0;            ///< number of random workers to consider
   std::vector<std::string> helpers;  ///< IDs of workers to consider in any case
 };

@@ -19,7 +19,7 @@ namespace diaphane::scene {
 inline constexpr std::uint32_t kMostEnvironmentWidth = 1024, kMostEnvironmentHeight = 512;
 inline constexpr std::size_t kMostEnvironmentBytes =
     std::size_t{4} * kMostEnvironmentWidth * kMostEnvironmentHeight + 64;
-/// The largest exponent byte of a pixel, and the radiance that it stands for: 10^6, or a sun.
+/// The largest exponent byte of a pixel, and the largest radiance: about 10^6, as of the sun.
 inline constexpr std::uint8_t kMostExponent = 128 + 20;
 inline constexpr float kBrightestPixel = 1048576.0f * 255 / 256;
 

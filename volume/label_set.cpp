@@ -58,7 +58,7 @@ std::array<std::uint8_t, 3> label_colour(std::size_t index) {
   std::array<std::uint8_t, 3> colour{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double distance = std::abs(std::fmod(hue - 2 * static_cast<double>(i) + 9, 6.0) - 3);
-    const double share = std::clamp(2 - distance, 0.0, 1.0);  // of a fully saturated colour
+    const double share = std::clamp(2 - distance, 0.0, 1.0);  // share in a saturated colour
     colour[i] = static_cast<std::uint8_t>(std::lround(230 * (1 - saturation * (1 - share))));
   }
   return colour;

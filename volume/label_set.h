@@ -25,7 +25,7 @@ inline constexpr std::size_t kLongestLabelName = 64;  ///< bytes of UTF-8
 
 /// The name of a label of a scan, and how it is shown at first.
 struct LabelEntry {
-  std::uint32_t number = 0;  ///< in the file that it comes from; unique within a set, not 0
+  std::uint32_t number = 0;  ///< number in the original file; unique within a set, not 0
   std::string name;          ///< empty if the file has none
   std::array<std::uint8_t, 3> colour{};  ///< sRGB
 

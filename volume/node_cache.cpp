@@ -178,7 +178,7 @@ bool NodeCache::read_copy(const std::string& name, const Seal& seal, const Heade
     try {
       voxels.resize(header.voxel_count());
     } catch (const std::bad_alloc&) {
-      return false;  // The copy may be sound, so it stays.
+      return false;  // The copy may be intact, so it stays.
     }
     RunningHash hash;
     auto* data = reinterpret_cast<char*>(voxels.data());

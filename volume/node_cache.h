@@ -48,12 +48,12 @@ class NodeCache {
   struct Counts {
     std::uint64_t hits = 0;
     std::uint64_t misses = 0;
-    std::uint64_t damaged = 0;  ///< included in the misses
+    std::uint64_t damaged = 0;  ///< damaged copies, which also count as misses
     std::uint64_t kept = 0;
     std::uint64_t refused = 0;  ///< not kept: too large, disk full, or busy with another copy
     std::uint64_t evicted = 0;
     std::uint64_t erased = 0;  ///< copies whose volume was erased or replaced
-    std::uint64_t bytes = 0;   ///< in the folder, when last listed
+    std::uint64_t bytes = 0;   ///< bytes in the folder when it was last listed
   };
 
   /// Returns kUnsupported without libsodium, or kUnavailable if the folder cannot be used.

@@ -33,7 +33,7 @@ class UnfinishedHandshakes {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
   struct Limits {
-    std::size_t total = 256;  ///< for known addresses, and as many for all others
+    std::size_t total = 256;  ///< limit for known addresses, and again for others
     std::size_t per_address = 32;
     std::chrono::milliseconds deadline{10'000};
   };
@@ -62,7 +62,7 @@ class UnfinishedHandshakes {
   const Limits limits_;
   std::deque<Connection> connections_;  ///< the oldest first
   TimePoint swept_{};
-  std::map<PeerAddress, TimePoint> known_;  ///< with the time of the last call
+  std::map<PeerAddress, TimePoint> known_;  ///< time of the last call by address
 };
 
 /// Listens on a TCP port and hands the connections to a server, but closes those that exceed the

@@ -88,7 +88,7 @@ end
 
 if not chosen then
   is_new = true
-  -- The user's other sessions: the number that hold a slot, and the oldest of the rest.
+  -- Counts the user's other sessions and those that hold a slot, and finds the oldest without one.
   local placed, remembered, oldest_unplaced = 0, 0, nil
   for _, other in ipairs(redis.call('ZRANGE', user_key, 0, -1)) do
     if other ~= session then

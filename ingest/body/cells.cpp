@@ -8,7 +8,7 @@
 namespace diaphane::ingest {
 namespace {
 
-constexpr int kMostVoxelsPerCell = 16;  // along one axis; sums of a cell then fit in 32 bits
+constexpr int kMostVoxelsPerCell = 16;  // limit per axis, so that sums of a cell fit in 32 bits
 
 /// Assigns to each patient axis the nearest voxel axis, and each voxel axis only once.
 void choose_axes(const volume::Header& header, Cells& cells) {
@@ -286,7 +286,7 @@ Components components(const Cells& cells, const CellMask& mask) {
   Runs runs(cells, mask);
   runs.join();
   Components found{std::vector<std::int32_t>(cells.count(), -1), {}};
-  std::vector<std::int32_t> label_of(runs.size(), -1);  // by the root run of the component
+  std::vector<std::int32_t> label_of(runs.size(), -1);  // label of a component, by its root run
   std::vector<std::size_t> sizes;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     std::int32_t& label = label_of[runs.root(i)];

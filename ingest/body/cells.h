@@ -20,7 +20,7 @@ struct Cells {
 
   std::array<int, 3> size{};
   std::array<double, 3> mm{};                       ///< edges of a cell
-  std::array<std::vector<std::size_t>, 3> offsets;  ///< see cell_of
+  std::array<std::vector<std::size_t>, 3> offsets;  ///< terms of a cell's index, see cell_of
   /// The voxel axis along patient axis p is axis[p]. Its indices run backwards if flipped[p].
   std::array<std::size_t, 3> axis{};
   std::array<bool, 3> flipped{};

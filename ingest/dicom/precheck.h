@@ -98,7 +98,7 @@ struct OpenedFile {
   TransferSyntax syntax;
   std::span<const std::byte> data;   ///< the data set, in the file or in `inflated`
   std::vector<std::byte> inflated;   ///< contents of a deflated file
-  std::uint64_t unpacked_bytes = 0;  ///< of a deflated file, even if it is refused
+  std::uint64_t unpacked_bytes = 0;  ///< size of a deflated file, even if it is refused
 };
 /// Reads the header and inflates the data set, as the first part of precheck(). Does not check the
 /// data set.

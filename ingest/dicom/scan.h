@@ -58,7 +58,7 @@ struct Choice {
   bool suitable = false;
   std::size_t index = 0;
   std::string code, text;
-  std::vector<std::string> repairs;  ///< of the series and for omitted files
+  std::vector<std::string> repairs;  ///< repairs of the series, and omitted files
 };
 Choice choose(const Scan& scan);
 

@@ -39,8 +39,8 @@ constexpr std::array<Grouped, 11> kGrouped{{
     {0x00289132, 0x00281051},
     {0x00209111, 0x00209056},  // frame content: stack
     {0x00189329, 0x00089007},  // frame type, of CT
-    {0x00189226, 0x00089007},  // of MR
-    {0x00189751, 0x00089007},  // of PET
+    {0x00189226, 0x00089007},  // frame type, of MR
+    {0x00189751, 0x00089007},  // frame type, of PET
 }};
 
 /// Thrown only within this file to leave the recursion. walk() converts it to a result.

@@ -14,10 +14,10 @@ namespace diaphane::ingest {
 
 /// Limits on a file of labels.
 struct LabelLimits {
-  std::uint64_t file_bytes = std::uint64_t{1} << 30;      ///< as stored
-  std::uint64_t unpacked_bytes = std::uint64_t{1} << 31;  ///< of a .nii.gz
-  std::uint64_t voxels = std::uint64_t{1} << 30;          ///< of the file's own grid
-  std::uint64_t points = 5'000'000;                       ///< of the contours of a structure set
+  std::uint64_t file_bytes = std::uint64_t{1} << 30;      ///< size as stored
+  std::uint64_t unpacked_bytes = std::uint64_t{1} << 31;  ///< size of a .nii.gz after decompression
+  std::uint64_t voxels = std::uint64_t{1} << 30;          ///< size of the file's own grid
+  std::uint64_t points = 5'000'000;                       ///< total of all contours in the file
 };
 
 /// Reads a NIfTI label volume (also compressed), a DICOM segmentation (SEG) or a DICOM structure

@@ -274,9 +274,9 @@ class Segmentation {
   const LabelLimits& limits_;
   bool fractional_ = false;
   unsigned largest_ = 255;
-  std::map<std::uint16_t, std::uint8_t> places_;  ///< in the table, by the number of the segment
+  std::map<std::uint16_t, std::uint8_t> places_;  ///< place in the table, by segment number
   std::vector<Frame> frames_;
-  std::vector<std::size_t> planes_;  ///< of the frames
+  std::vector<std::size_t> planes_;  ///< plane of each frame
   std::array<double, 6> orientation_{};
   std::array<double, 2> spacing_{};
   dicom::Axes axes_;

@@ -24,8 +24,8 @@ constexpr std::uint32_t kStructureContours = 0x30060039, kColour = 0x3006002A,
 /// A closed contour in one plane perpendicular to an axis of the scan, in voxel indices (centres of
 /// voxels are whole numbers).
 struct Contour {
-  double height = 0;                           ///< along the axis perpendicular to its plane
-  std::vector<std::array<double, 2>> corners;  ///< along the other two axes, in their order
+  double height = 0;                           ///< position perpendicular to its plane
+  std::vector<std::array<double, 2>> corners;  ///< positions along the other two axes, in order
 };
 
 /// What a structure set says about one structure.

@@ -36,7 +36,7 @@ int unnamed_file(const std::string& directory) {
   const int fd = open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   const bool unknown = errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL;
   if (fd >= 0 || !unknown) return fd;
-  // the file system does not support unnamed files
+  // The file system does not support unnamed files.
   std::string name = directory + "/voxels-XXXXXX";
   const int named = mkostemp(name.data(), O_CLOEXEC);
   if (named >= 0) unlink(name.c_str());

@@ -31,7 +31,7 @@ struct Build {
   /// The upload's file is missing from a directory in which others were found.
   bool file_missing = false;
   double seconds = 0;
-  std::uint64_t peak_bytes = 0;  ///< of the child
+  std::uint64_t peak_bytes = 0;  ///< peak memory of the child
 };
 
 /// An upload and the limits of its volume. A volume that exceeds them is never written.

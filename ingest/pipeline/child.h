@@ -29,9 +29,9 @@ inline constexpr int kChildBadReport = 77;  ///< the report would exceed its lim
 /// decoded or written.
 struct BuildBounds {
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t quota_left = kNone;   ///< above it: the refusal "over_quota"
-  std::uint64_t room_bytes = kNone;   ///< above it: kChildNoRoom
-  std::uint64_t light_bytes = kNone;  ///< above it: kChildTooLarge
+  std::uint64_t quota_left = kNone;   ///< more is refused as "over_quota"
+  std::uint64_t room_bytes = kNone;   ///< more gives kChildNoRoom
+  std::uint64_t light_bytes = kNone;  ///< more gives kChildTooLarge
 };
 
 /// Sent by a child to kChildReport before it reads any of its input. JSON parsers ignore it as

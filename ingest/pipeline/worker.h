@@ -39,7 +39,7 @@ class Worker {
     std::chrono::milliseconds drain{1500};
     int most_attempts = 12;  ///< attempts for which the machine had too little memory
     int most_waits_for_file = 12;
-    std::chrono::milliseconds first_pause{1000};  ///< of a waiting job; doubled each time
+    std::chrono::milliseconds first_pause{1000};  ///< pause of a waiting job; doubled each time
     std::chrono::milliseconds longest_pause{60000};
     std::chrono::milliseconds longest_pause_for_memory{600000};
   };

@@ -12,7 +12,7 @@ class Backoff {
   using Time = std::chrono::steady_clock::time_point;
   struct Options {
     std::chrono::milliseconds first{800};
-    std::chrono::milliseconds longest{30000};  ///< before jitter
+    std::chrono::milliseconds longest{30000};  ///< maximum without jitter
     std::chrono::milliseconds forgotten{120000};
   };
 

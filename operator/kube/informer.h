@@ -33,7 +33,7 @@ class Reflector {
     virtual void event(const WatchEvent& event) = 0;
   };
   struct Options {
-    std::string path;      ///< of the collection
+    std::string path;      ///< path of the collection
     std::string selector;  ///< encoded query, or empty
     std::string kind;      ///< name in logs and metrics
     std::string home;      ///< namespace whose objects are named without a prefix, see key_of

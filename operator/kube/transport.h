@@ -11,7 +11,7 @@ namespace diaphane::kube {
 
 struct Request {
   std::string method = "GET";
-  std::string path{};   ///< from the root of the API server
+  std::string path{};   ///< absolute path on the API server
   std::string query{};  ///< encoded, without the question mark
   std::string body{};   ///< JSON
   std::string content_type = "application/json";

@@ -23,7 +23,7 @@ DesiredReplicas desired_replicas(const FleetSpec& spec, const Demand* demand, in
 /// creation times of the workers, so there is nothing to store, and every leader computes the same.
 struct Tokens {
   double count = 0;  ///< available tokens
-  Seconds next = 0;  ///< when the next whole token is available
+  Seconds next = 0;  ///< time at which the next whole token is available
 };
 Tokens refill_tokens(double per_second, std::vector<Seconds> created, Seconds now);
 

@@ -21,7 +21,7 @@ enum class Health {
 
 struct WorkerView {
   const Worker* worker = nullptr;
-  const Fleet* fleet = nullptr;  ///< with the worker's fleet uid
+  const Fleet* fleet = nullptr;  ///< the fleet that the worker belongs to, by uid
   const Node* node = nullptr;
   const Pod* pod = nullptr;              ///< its own pod
   const Pod* name_conflict = nullptr;    ///< another worker's pod of the same name
