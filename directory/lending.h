@@ -7,7 +7,7 @@
 #include "directory/constants.h"
 
 // Chooses the peers that assist a worker whose sessions need more than its device has
-// (docs/adr/0033). Pure functions: the known state of the peers goes in, the helpers come out.
+// (docs/adr/0033). The functions are pure: they map the known state of the peers to the helpers.
 
 namespace diaphane::directory {
 
@@ -25,7 +25,7 @@ struct PeerLoad {
 struct Helper {
   std::string id;
   double expected = 0;  ///< expected share of its device when it was asked
-  double since = 0;     ///< s
+  double since = 0;     ///< seconds since it was asked
 };
 
 /// State of one worker between two calls, one second apart.

@@ -35,9 +35,9 @@ std::string_view to_string(SessionViewer viewer);
 SessionViewer session_viewer_of(std::string_view text);
 
 struct PlaceRequest {
-  std::string
-      /// New, or an existing session of this user, which is placed again if its worker is gone.
-      session_id;
+  /// A new ID, or that of an existing session of this user, which is placed again if its worker is
+  /// gone.
+  std::string session_id;
   std::string user_id;
   std::string data_set_id;
   // Set for a guest's ticket and empty for the owner's.

@@ -11,8 +11,8 @@
 namespace diaphane {
 
 /// Descriptors that are open in a child, besides 0, 1 and 2 (/dev/null).
-inline constexpr int kChildInput = 3;   ///< the upload, read only
-inline constexpr int kChildOutput = 4;  ///< an unnamed file, for voxels
+inline constexpr int kChildInput = 3;   ///< the input, such as an upload, read only
+inline constexpr int kChildOutput = 4;  ///< an unnamed file, for the result
 inline constexpr int kChildReport = 5;  ///< a pipe, for at most kLongestReport bytes
 inline constexpr std::size_t kLongestReport = 60000;
 

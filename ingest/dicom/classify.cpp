@@ -171,8 +171,8 @@ class Judge {
     return true;
   }
 
-  /// Keeps the orientation that most slices share. A few other slices are scouts (thesis 5.2), but
-  /// many are not.
+  /// Keeps the orientation that most slices share. Skips a few slices of other orientations as
+  /// scouts (thesis 5.2), and refuses a series with many.
   bool one_orientation() {
     std::vector<std::pair<Axes, Indices>> groups;
     for (const std::size_t i : kept_) {

@@ -71,14 +71,14 @@ class Builder {
                                      const ShouldContinue& should_continue) = 0;
 };
 
-/// Builds in a sandboxed child process (child.h), one per upload. A child that crashes over its
-/// input or takes too long is a refusal. Its exit codes for temporary conditions are errors, and a
-/// child that was killed or got no memory gives no verdict. Not thread-safe.
+/// Builds in a sandboxed child process (child.h), one per job. A child that crashes over its input
+/// or takes too long is a refusal. Its exit codes for temporary conditions are errors, and a child
+/// that was killed or got no memory gives no verdict. Not thread-safe.
 class SandboxBuilder final : public Builder {
  public:
   struct Options {
     std::string program;             ///< path of this program, which also runs as the child
-    std::string scratch_dir;         ///< for unnamed files with voxels
+    std::string scratch_dir;         ///< for unnamed files with voxels or labels
     std::string volume_dir;          ///< where the volume will be stored
     std::uint64_t reserve_mb = 256;  ///< space to keep free on both disks
     std::uint64_t light_mb = 0;      ///< larger volumes are left to another worker; 0: no limit

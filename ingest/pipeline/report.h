@@ -8,7 +8,7 @@
 
 namespace diaphane::ingest {
 
-/// The outcome of an upload, in a form that can be shown and stored.
+/// The outcome of a job, in a form that can be shown and stored.
 struct Verdict {
   bool ready = false;
   volume::Header header;  ///< valid with `ready`

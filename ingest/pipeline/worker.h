@@ -22,12 +22,13 @@ struct WorkerEvents {
   std::function<void(bool)> postgres = [](bool) {};
 };
 
-/// Processes one job after another: builds it, stores the volume or the reason for a refusal, and
-/// then removes the original. A temporary condition (a full disk, too little memory, an unavailable
-/// service) ends no job. The original stays, and the job waits, longer each time, and is tried
-/// again without counting an attempt. Only conditions that the upload itself may cause are limited:
-/// attempts for which the machine had too little memory, and waits for a missing file. While
-/// Postgres is unavailable, the worker keeps the result until it can report it.
+/// Processes one job after another: builds a volume, places labels or cuts a volume, stores the
+/// result or the reason for a refusal, and then removes the upload. A temporary condition (a full
+/// disk, too little memory, an unavailable service) ends no job. The upload stays, and the job
+/// waits, longer each time, and is tried again without counting an attempt. Only conditions that
+/// the upload itself may cause are limited: attempts for which the machine had too little memory,
+/// and waits for a missing file. While Postgres is unavailable, the worker keeps the result until
+/// it can report it.
 class Worker {
  public:
   struct Options {
