@@ -33,7 +33,8 @@ class Client {
     wire::InnerTls tls{};  ///< TLS settings for a rediss address, and whether plaintext is allowed
   };
 
-  /// Returns kInvalid if the address is malformed or requires TLS. Connects on first use.
+  /// Creates a client, which connects on first use. Returns kInvalid if the address is malformed or
+  /// requires TLS.
   static Result<std::unique_ptr<Client>> create(Options options);
   ~Client();
   Client(const Client&) = delete;

@@ -95,8 +95,8 @@ class WorkerDirectory {
   Result<HeartbeatReply> beat(const Heartbeat& heartbeat);
   /// Removes the worker immediately, instead of waiting until its heartbeat expires.
   Result<void> leave();
-  /// Reports to the operator. If the operator wants this worker to drain, returns the number of
-  /// free slots on other workers.
+  /// Reports to the operator. Returns nullopt, or the number of free slots on other workers if the
+  /// operator wants this worker to drain.
   Result<std::optional<std::size_t>> report(const FleetReport& report);
   /// Adds rendering time, in milliseconds by user.
   Result<void> add_render_time(const std::map<std::string, std::uint64_t>& spent);

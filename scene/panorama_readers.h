@@ -37,7 +37,7 @@ class PanoramaReduction {
 std::optional<PanoramaFault> fault_of_size(std::uint64_t width, std::uint64_t height);
 
 tl::expected<EnvironmentPicture, PanoramaFault> read_radiance(std::string_view file);
-/// Fails with kFormat in a build without tinyexr.
+/// Reads an OpenEXR panorama. Fails with kFormat in a build without tinyexr.
 tl::expected<EnvironmentPicture, PanoramaFault> read_exr(std::string_view file);
 
 }  // namespace diaphane::scene

@@ -25,7 +25,7 @@ inline constexpr int kMostXmlNodes = 20'000;
 struct XmlPreset {
   std::string name;
   diaphane::v1::Scene scene;  ///< parsed, but not checked (check_scene)
-  /// Of the element <annotations>. Parsed, but not checked (check_annotations).
+  /// The element <annotations>, parsed but not checked (check_annotations).
   std::optional<diaphane::v1::Annotations> annotations;
   /// The document has comments or unknown elements or attributes, so it is worth keeping.
   bool has_unknown = false;

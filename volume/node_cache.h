@@ -56,7 +56,8 @@ class NodeCache {
     std::uint64_t bytes = 0;   ///< bytes in the folder when it was last listed
   };
 
-  /// Returns kUnsupported without libsodium, or kUnavailable if the folder cannot be used.
+  /// Opens the folder. Returns kUnsupported without libsodium, or kUnavailable if it cannot be
+  /// used.
   static Result<std::unique_ptr<NodeCache>> open(Options options);
   /// Aborts a copy that is being written.
   ~NodeCache();

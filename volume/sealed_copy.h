@@ -15,7 +15,8 @@ namespace diaphane::volume {
 /// never deleted.
 class Seal {
  public:
-  /// Returns kUnsupported in a build without libsodium, or for a volume without a hash.
+  /// Derives the key. Returns kUnsupported in a build without libsodium or for a volume without a
+  /// hash.
   static Result<Seal> of(const std::string& content_hash);
 
   /// Distinguishes copies of different contents in file names without revealing the hash.

@@ -1,8 +1,9 @@
 -- Consumes a ticket, even if it turns out to be unusable, and returns where its session is (docs/contracts.md, "Redis").
 --
 -- ARGV: ticket, reservation ms, session s
--- Returns {"attach", session, user, data set, worker, address, incarnation, placement, scene, input seq, width,
--- height, presenter, participant, name, link, viewer, slices, guest slices, visitor}, or {why}: "unknown" (ticket), "gone" (session), "worker_lost" (ask for a new ticket).
+-- Returns {"attach", session, user, data set, worker, address, incarnation, placement, scene, input seq, width, height,
+-- presenter, participant, name, link, viewer, slices, guest slices, visitor}, or {why}: "unknown" (ticket), "gone"
+-- (session), "worker_lost" (ask for a new ticket).
 
 local ticket_key = keys.ticket(ARGV[1])
 local ticket = redis.call('HMGET', ticket_key, 'session', 'user', 'participant', 'name', 'link', 'viewer',

@@ -1,6 +1,7 @@
--- A worker reports that it is alive and which sessions it has, in one round trip (docs/contracts.md, Redis).
--- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 expected load, 10 volumes,
---       11 node (empty: unknown), then session id, placement and visitor ("1": a visitor's session or a guest's free camera) of each live session
+-- Stores that a worker is alive and which sessions it has, in one round trip (docs/contracts.md, Redis).
+-- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 expected load,
+--       10 volumes, 11 node (empty: unknown), then of each live session its id, placement and visitor ("1": a
+--       visitor's session or a guest's free camera)
 -- Returns {"beat", {sessions to end, because they were ended or placed on another worker}, {sessions to restore, because
 -- Redis has lost them}}, or {"name_taken", address of another live worker}.
 local worker_key, entries = keys.worker(ARGV[1]), keys.worker_sessions(ARGV[1])
@@ -42,8 +43,8 @@ for i = 12, #ARGV, 3 do
   end
 end
 
--- A session of the last heartbeat that has ended frees its slot immediately. A reservation whose viewer has not arrived
--- yet stays until it expires.
+-- Frees the slots of sessions that have ended since the last heartbeat. A reservation whose viewer has not arrived yet
+-- stays until it expires.
 local previous = redis.call('HGET', worker_key, 'live')
 if previous and before == ARGV[2] then
   for id in string.gmatch(previous, '[^,]+') do

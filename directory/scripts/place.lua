@@ -9,8 +9,8 @@
 --       relation of the viewer to the scan (SessionViewer), and whether the owner allows slices (1 or 0);
 --       "1" for a viewer without an account; percentage of all slots that such viewers may hold together;
 --       hash of the address of such a viewer: one address may hold at most half of that share
--- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full", "no_memory",
--- "visitors". If the session is not placed, writes nothing but that fact.
+-- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full",
+-- "no_memory", "visitors". If the session is not placed, writes nothing but that fact.
 
 local session, user, data_set, ticket, epoch = ARGV[1], ARGV[2], ARGV[3], ARGV[4], ARGV[5]
 local reservation_ms, ticket_s, session_s = tonumber(ARGV[6]), tonumber(ARGV[7]), tonumber(ARGV[8])

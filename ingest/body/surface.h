@@ -8,8 +8,8 @@
 namespace diaphane::ingest {
 
 /// The surface of a support on which a body lies, as depth over the position across and along the
-/// patient. Supports are straight along the patient, so the part that shows beside the body tells
-/// where it runs below the body.
+/// patient. Supports are straight along the patient, so the visible part beside the body determines
+/// the part below the body.
 struct Surface {
   std::size_t across = 0, deep = 1;  ///< patient axes (0: x, 1: y)
   double sign = 1;                   ///< depth grows along +deep or -deep

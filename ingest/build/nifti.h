@@ -31,9 +31,9 @@ struct NiftiHeader {
 /// Returns whether a file begins like NIfTI-1, in either byte order.
 bool is_nifti(std::span<const std::byte> file);
 
-/// Returns kInvalid for a damaged or incomplete file, kUnsupported for other voxel types, several
-/// values per voxel, a time series or voxels in another file, and kTooLarge for more voxels than a
-/// volume may have.
+/// Parses the header. Returns kInvalid for a damaged or incomplete file, kUnsupported for other
+/// voxel types, several values per voxel, a time series or voxels in another file, and kTooLarge
+/// for more voxels than a volume may have.
 Result<NiftiHeader> read_nifti_header(std::span<const std::byte> file);
 
 /// Returns a measured volume, converted to int16 as in read_image(), or an error of read_image().

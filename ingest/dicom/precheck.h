@@ -114,8 +114,8 @@ OpenedFile open_file(std::span<const std::byte> file, const Limits& limits);
 Precheck precheck(std::span<const std::byte> file, const Limits& limits);
 
 /// Returns one frame as a separate file: `Precheck::plain` and its pixels, with compressed pixels
-/// as one fragment. Returns nothing if the frame does not exist. Precondition: a fit file with
-/// pixels.
+/// as one fragment. Returns an empty file if the frame does not exist. Precondition: a fit file
+/// with pixels.
 std::vector<std::byte> frame_file(const Precheck& checked, std::uint64_t frame);
 
 }  // namespace diaphane::dicom

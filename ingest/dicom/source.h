@@ -30,7 +30,7 @@ class FileSource {
 /// followed. An unreadable file counts as empty.
 class FolderSource final : public FileSource {
  public:
-  /// Returns kNotFound if `path` is not a folder that can be listed.
+  /// Lists the files. Returns kNotFound if `path` is not a folder that can be listed.
   static Result<FolderSource> open(const std::string& path, std::uint64_t largest_file);
   Result<void> visit(const Want& want, const Take& take) override;
   std::size_t size() const { return files_.size(); }

@@ -78,20 +78,22 @@ class JobStore {
   /// room for `bytes`, so that the data set becomes "refused" and the volume is noted for disposal.
   virtual Result<Hold> finish_ready(const Job& job, const volume::Header& header,
                                     std::uint64_t bytes, const std::string& head) = 0;
-  /// Marks the data set as "refused" with a reason, and otherwise does the same as finish_ready().
+  /// Marks the data set as "refused" with a reason, and ends the job and the upload like
+  /// finish_ready().
   virtual Result<Hold> finish_refused(const Job& job, const std::string& code,
                                       const std::string& text) = 0;
   /// Announces that the kept part is about to replace the volume. From now on, the order contains
   /// the hash of the new volume and the shift of its world origin (volume/region.h, Cut::shift).
   virtual Result<Hold> note_cut(const Job& job, const std::string& content_hash,
                                 const volume::Vector& shift) = 0;
-  /// In one transaction, makes the data set "ready" again and anonymised, completes the order,
-  /// notes images of the old volume for disposal, moves presets along, and writes to the audit log.
+  /// Completes a cut. In one transaction, makes the data set "ready" again and anonymised,
+  /// completes the order, notes images of the old volume for disposal, deletes the scan's marks and
+  /// the record of its labels, moves presets along, and writes to the audit log.
   virtual Result<Hold> finish_cut(const Job& job, const volume::Header& header, std::uint64_t bytes,
                                   const std::string& head) = 0;
   /// Makes the data set "ready" unchanged, and gives its owner the reason.
   virtual Result<Hold> finish_cut_refused(const Job& job, const std::string& text) = 0;
-  /// Records that the scan has the labels of the upload, and otherwise does the same as
+  /// Records that the scan has the labels of the upload, and ends the job and the upload like
   /// finish_ready().
   virtual Result<Hold> finish_labels(const Job& job, const volume::LabelSet& labels,
                                      std::uint64_t bytes) = 0;

@@ -209,7 +209,7 @@ void Worker::finish(const Job& job, Build& build) {
   Verdict& verdict = build.verdict;
   const std::uint64_t bytes = build.volume.voxels.size() * sizeof(std::int16_t);
   if (verdict.ready) {
-    // Only a fresh lease permits writing the volume's directory.
+    // Only a fresh lease permits writing to the volume's directory.
     const auto fresh = insist([&] { return jobs_.renew(job); });
     if (!fresh || *fresh != Hold::kOurs) {
       if (fresh && *fresh == Hold::kDeleted) remove_original(job);

@@ -160,7 +160,7 @@ struct Taint {
 struct Node {
   std::string name;
   int gpus = 0;  ///< allocatable nvidia.com/gpu
-  /// Used by pods that no RenderWorker owns, with or without Diaphane's label.
+  /// GPUs used by pods that no RenderWorker owns, with or without Diaphane's label.
   int foreign_gpus = 0;
   Labels labels;
   std::vector<Taint> taints;
@@ -181,7 +181,7 @@ struct Telemetry {
   int slots = 0;
   double error = 0;  ///< summed over the pictures of all sessions
   bool draining = false;
-  /// Since when it has had no sessions or reservations; meaningful while it has none.
+  /// Time since which it has had no sessions or reservations; meaningful while it has none.
   Seconds idle_since = 0;
 };
 

@@ -8,7 +8,7 @@
 #include "operator/plan/random.h"
 #include "operator/plan/view.h"
 
-// Chooses a node for a worker, or a worker for a session.
+// Chooses nodes for the workers of a fleet.
 
 namespace diaphane::fleet {
 

@@ -9,7 +9,7 @@
 namespace diaphane::fleet {
 namespace {
 
-/// How many outdated workers of a fleet may be replaced at the same time.
+/// Returns how many outdated workers of a fleet may be replaced at the same time.
 int surge_of(int desired) { return std::max(1, desired / 10); }
 
 /// Returns whether a worker's slots count, because it accepts sessions or soon will.
@@ -197,7 +197,7 @@ DesiredReplicas desired_replicas(const FleetSpec& spec, const Demand* demand, in
       now - demand->last_used >= *spec.scale_to_zero_after) {
     return {bounded(0), bounded(0)};
   }
-  // Keep one spare slot, so that the last one is never handed out, and at least one worker unless
+  // Keeps one spare slot, so that the last one is never handed out, and at least one worker unless
   // scale-to-zero applies.
   const double slots = busy + std::max(spec.min_idle_slots, 1);
   const double each = std::max(spec.sessions_per_worker, 1);

@@ -176,7 +176,7 @@ void ViewBuilder::add_telemetry() {
     const auto found = workers_by_uid_.find(sample.worker_uid);
     if (found == workers_by_uid_.end()) continue;
     WorkerView& worker = view_.workers[found->second];
-    // Ignore delayed or repeated samples of an earlier pod of the worker.
+    // Ignores delayed or repeated samples of an earlier pod of the worker.
     if (worker.pod ? sample.epoch != worker.pod->epoch || sample.sampled < worker.pod->created
                    : sample.epoch < worker.worker->status.epoch) {
       continue;
