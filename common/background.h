@@ -1,6 +1,6 @@
 #pragma once
 
-/// The CPU priority of work that nobody waits for.
+/// The CPU priority and cores of work that nobody waits for.
 namespace diaphane::background {
 
 /// Limits all threads that call enter() afterwards to the first `cores` of the cores that this

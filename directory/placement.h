@@ -52,10 +52,10 @@ struct PlaceRequest {
   SessionViewer viewer = SessionViewer::kGuest;  ///< the holder of the ticket
   /// For kPublic and visitors: whether the owner of the scan allows exact slices.
   bool slices = false;
-  /// The requester has no account and is placed only within the visitors' share of the slots.
+  /// Whether the requester has no account and is placed only within the visitors' share of the
+  /// slots.
   bool visitor = false;
-  /// The source of a visitor, such as the hash of an address. It is limited once half of that share
-  /// is in use.
+  /// The source of a visitor, such as the hash of an address, for visitor_slots_of_source().
   std::string visitor_from = {};
 };
 

@@ -27,7 +27,7 @@ std::string describe_roles(const std::vector<std::string>& uris);
 /// Returns kInvalid if the file contains no certificate.
 Result<std::vector<std::string>> uris_of(const std::string& certificate_file);
 
-/// Returns kInvalid, with advice, unless the certificate has the role.
+/// Checks that the certificate has the role. Returns kInvalid, with advice, if it lacks it.
 Result<void> check_role(const std::string& certificate_file, Role role);
 
 }  // namespace diaphane::wire
