@@ -24,7 +24,7 @@ struct CutOrder {
 struct Job {
   std::string data_set_id;  ///< also the name of the volume's directory
   std::string upload_id;    ///< the file <upload-dir>/<upload_id>.tar
-  int attempts = 0;  ///< earlier attempts that failed because the machine had too little memory
+  int attempts = 0;         ///< earlier attempts that failed because memory or CPU time was short
   std::optional<CutOrder> cut;  ///< if set, there is no upload
   bool labels = false;          ///< the upload is a file of labels for a scan that is ready
   int waits = 0;                ///< number of consecutive waits, see JobStore::wait

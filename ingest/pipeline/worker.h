@@ -26,9 +26,9 @@ struct WorkerEvents {
 /// result or the reason for a refusal, and then removes the upload. A temporary condition (a full
 /// disk, too little memory, an unavailable service) ends no job. The upload stays, and the job
 /// waits, longer each time, and is tried again without counting an attempt. Only conditions that
-/// the upload itself may cause are limited: attempts for which the machine had too little memory,
-/// and waits for a missing file. While Postgres is unavailable, the worker keeps the result until
-/// it can report it.
+/// the upload itself may cause are limited: attempts for which memory or CPU time was short, and
+/// waits for a missing file. While Postgres is unavailable, the worker keeps the result until it
+/// can report it.
 class Worker {
  public:
   struct Options {
@@ -38,7 +38,7 @@ class Worker {
     std::chrono::milliseconds renew{1500};
     /// How long a build may continue after a stop was requested.
     std::chrono::milliseconds drain{1500};
-    int most_attempts = 12;  ///< attempts for which the machine had too little memory
+    int most_attempts = 12;  ///< attempts for which memory or CPU time was short
     int most_waits_for_file = 12;
     std::chrono::milliseconds first_pause{1000};  ///< pause of a waiting job; doubled each time
     std::chrono::milliseconds longest_pause{60000};
@@ -55,8 +55,8 @@ class Worker {
   void stop() { stopping_ = true; }
   /// Returns the pause of a job after this number of consecutive waits.
   static std::chrono::milliseconds pause_after(int waits, const Options& options);
-  /// Returns the pause of a job after this number of attempts for which the machine had too little
-  /// memory.
+  /// Returns the pause of a job after this number of attempts for which memory or CPU time was
+  /// short.
   static std::chrono::milliseconds pause_for_memory(int attempts, const Options& options);
 
  private:
