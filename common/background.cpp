@@ -24,7 +24,7 @@ void use_first(unsigned cores) {
 void limit_cores(unsigned cores) { most_cores = cores; }
 
 void enter(int nice) {
-  // On Linux, both are properties of a thread.
+  // On Linux, each thread has its own nice value and core affinity.
   if (nice != 0) (void)setpriority(PRIO_PROCESS, 0, nice);
   if (most_cores > 0) use_first(most_cores);
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-/// The CPU priority of work that nobody waits for.
+/// The CPU priority and cores of work that nobody waits for.
 namespace diaphane::background {
 
 /// Limits all threads that call enter() afterwards to the first `cores` of the cores that this
@@ -9,8 +9,8 @@ namespace diaphane::background {
 /// removes the limit.
 void limit_cores(unsigned cores);
 
-/// Gives the calling thread this nice value (0 to 19) and those cores. Threads that it starts
-/// inherit both. Does nothing where the system does not permit it.
+/// Sets the nice value of the calling thread (0 to 19) and applies the limit of limit_cores().
+/// Threads that it starts inherit both. Has no effect where the system does not permit it.
 void enter(int nice);
 
 }  // namespace diaphane::background

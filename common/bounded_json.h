@@ -21,7 +21,7 @@ struct JsonLimits {
 
 enum class JsonFault { kMalformed, kTooDeep, kTooManyValues };
 
-/// The first limit that is exceeded is reported even when the rest of the text is malformed.
+/// Parses `text`, or returns the first limit that it exceeds, even if the rest of it is malformed.
 tl::expected<nlohmann::json, JsonFault> parse_json(std::string_view text, const JsonLimits& limits);
 
 }  // namespace diaphane

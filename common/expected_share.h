@@ -10,8 +10,8 @@ namespace diaphane {
 /// of interaction and rest, so the current load alone says little about the future load.
 class ExpectedShare {
  public:
-  static constexpr double kMemory = 600;  ///< s
-  static constexpr double kPrior = 30;    ///< s
+  static constexpr double kMemory = 600;  ///< time constant of the mean, in s
+  static constexpr double kPrior = 30;    ///< weight of the prior, in s of observation
 
   /// Records that the session used `device_seconds` in the last `seconds`.
   void watch(double seconds, double device_seconds) {
@@ -19,7 +19,8 @@ class ExpectedShare {
     seconds_ = seconds_ * kept + seconds;
     taken_ = taken_ * kept + device_seconds;
   }
-  /// `of_anybody` is the prior: the share of one slot, assumed for an unknown session.
+  /// Returns the estimate. `of_anybody` is the prior: the share of one slot, for an unknown
+  /// session.
   double value(double of_anybody) const {
     return (kPrior * of_anybody + taken_) / (kPrior + seconds_);
   }

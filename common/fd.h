@@ -26,7 +26,7 @@ class Fd {
   int fd_;
 };
 
-/// Writes everything. Returns false and sets errno if that fails.
+/// Writes all `bytes` bytes. Returns false and sets errno if that fails.
 inline bool write_all(int fd, const void* data, std::size_t bytes) {
   const char* at = static_cast<const char*>(data);
   while (bytes > 0) {
@@ -39,7 +39,8 @@ inline bool write_all(int fd, const void* data, std::size_t bytes) {
   return true;
 }
 
-/// Reads from the current offset. Returns false if the file ends early or cannot be read.
+/// Reads `bytes` bytes from the current offset. Returns false if the file ends early or an error
+/// occurs.
 inline bool read_all(int fd, void* data, std::size_t bytes) {
   char* at = static_cast<char*>(data);
   while (bytes > 0) {

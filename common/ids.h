@@ -7,10 +7,10 @@
 
 namespace diaphane {
 
-/// A random identifier as a lower-case UUID version 4 (RFC 9562), from the kernel's generator.
+/// Returns a random identifier from the kernel's generator: a lower-case UUID version 4 (RFC 9562).
 std::string new_id();
-/// Returns true only for the form that new_id() returns. Check every ID from outside with it before
-/// it becomes part of a path, a key or a query.
+/// Returns whether `text` has the form of new_id(). Every ID from outside must be checked before it
+/// becomes part of a path, a key or a query.
 bool is_id(std::string_view text);
 /// Returns `bytes` random bytes from the kernel as lower-case hexadecimal, for tickets and tokens.
 std::string random_hex(std::size_t bytes);

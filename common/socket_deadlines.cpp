@@ -53,7 +53,7 @@ SocketDeadlines::Guard::Guard(SocketDeadlines& deadlines, int socket, SteadyTime
 }
 
 SocketDeadlines::Guard::~Guard() {
-  std::list<Entry> done;  // its descriptor is closed outside the lock
+  std::list<Entry> done;  // closes the descriptor outside the lock
   const std::lock_guard lock(deadlines_.mutex_);
   done.splice(done.begin(), deadlines_.entries_, entry_);
 }

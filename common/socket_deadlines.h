@@ -39,7 +39,7 @@ class SocketDeadlines {
     ~Guard();
     Guard(const Guard&) = delete;
     Guard& operator=(const Guard&) = delete;
-    /// Whether the connection was shut down because the deadline passed.
+    /// Returns whether the connection was shut down because the deadline passed.
     bool passed() const;
 
    private:

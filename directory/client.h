@@ -33,7 +33,8 @@ class Client {
     wire::InnerTls tls{};  ///< TLS settings for a rediss address, and whether plaintext is allowed
   };
 
-  /// Returns kInvalid if the address is malformed or requires TLS. Connects on first use.
+  /// Creates a client, which connects on first use. Returns kInvalid if the address is malformed or
+  /// requires TLS.
   static Result<std::unique_ptr<Client>> create(Options options);
   ~Client();
   Client(const Client&) = delete;
@@ -44,7 +45,7 @@ class Client {
   /// Runs EVALSHA without keys, or EVAL if Redis does not know the script, for example after a
   /// restart.
   Result<Reply> run(const Script& script, const Arguments& arguments);
-  /// Whether Redis answers a PING within `timeout`.
+  /// Returns whether Redis answers a PING within `timeout`.
   bool answers(std::chrono::milliseconds timeout);
 
  private:

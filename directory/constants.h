@@ -30,8 +30,8 @@ inline constexpr int kDrainMs = 10000;
 
 /// With more workers than this, placement considers this many at random.
 inline constexpr int kSampledWorkers = 64;
-/// A loaded volume saves memory and a second at the start. For a session, or for assisting one, it
-/// counts as much as this share of a device.
+/// A loaded volume saves memory and a second at the start. In the choice of a worker for a session
+/// or for assisting one, it is worth this share of a device.
 inline constexpr double kLoadedVolumeWorth = 0.25;
 
 }  // namespace diaphane::directory

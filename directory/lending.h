@@ -7,7 +7,7 @@
 #include "directory/constants.h"
 
 // Chooses the peers that assist a worker whose sessions need more than its device has
-// (docs/adr/0033). Pure functions: the known state of the peers goes in, the helpers come out.
+// (docs/adr/0033). The functions are pure: they map the known state of the peers to the helpers.
 
 namespace diaphane::directory {
 
@@ -25,7 +25,7 @@ struct PeerLoad {
 struct Helper {
   std::string id;
   double expected = 0;  ///< expected share of its device when it was asked
-  double since = 0;     ///< s
+  double since = 0;     ///< seconds since it was asked
 };
 
 /// State of one worker between two calls, one second apart.
@@ -39,8 +39,8 @@ struct LendingRules {
   /// A worker borrows if its demand exceeds `borrows`. Once the demand has been below `enough` for
   /// `rest` seconds, it releases all helpers.
   double borrows = 1.05, enough = 0.85, rest = 3;
-  /// Load limits of a peer's device: at the first, it is not asked; at the second (of its own
-  /// sessions), it is released.
+  /// Load limits of a peer's device, from 0 to 1. A peer above `idle` in total is not asked, and a
+  /// helper is released if its own sessions reach `busy`.
   double idle = 0.7, busy = 0.9;
   double oldest = kHeartbeatMs / 1000.0;  ///< maximum age of a sample in seconds
   /// A helper that was asked less than this long ago may still be loading the volume. Until then,
@@ -52,7 +52,7 @@ struct LendingInput {
   double seconds = 1;  ///< seconds since the last call
   double asked = 0;    ///< current demand of its own sessions, in devices
   double helped = 0;   ///< work of the helpers in the last second, in devices
-  /// A random sample of peers plus the current helpers. A helper that is missing here is gone.
+  /// A random sample of peers plus the current helpers. A helper that is not in it is gone.
   std::vector<PeerLoad> peers;
 };
 

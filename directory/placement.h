@@ -13,7 +13,7 @@ namespace diaphane::directory {
 
 /// A session, which is stored only in Redis.
 struct SessionInfo {
-  std::string id;       ///< in the form of common/ids.h
+  std::string id;       ///< an ID as in common/ids.h
   std::string user_id;  ///< the user who opened it; it does not exist for anyone else
   std::string data_set_id;
   std::string worker_id;  ///< the worker of the last placement
@@ -29,15 +29,15 @@ enum class SessionViewer {
   kLinkVisitor,    ///< a visitor without an account who has a link to the scan
   kSampleVisitor,  ///< a visitor without an account who views a sample
 };
-/// Convert from and to "guest", "owner", "shared", "public", "link-visitor" or "sample-visitor".
-/// Any other text means kGuest.
+/// Convert a viewer to and from "guest", "owner", "shared", "public", "link-visitor" or
+/// "sample-visitor". Any other text means kGuest.
 std::string_view to_string(SessionViewer viewer);
 SessionViewer session_viewer_of(std::string_view text);
 
 struct PlaceRequest {
-  std::string
-      /// New, or an existing session of this user, which is placed again if its worker is gone.
-      session_id;
+  /// A new ID, or that of an existing session of this user, which is placed again if its worker is
+  /// gone.
+  std::string session_id;
   std::string user_id;
   std::string data_set_id;
   // Set for a guest's ticket and empty for the owner's.
@@ -52,10 +52,10 @@ struct PlaceRequest {
   SessionViewer viewer = SessionViewer::kGuest;  ///< the holder of the ticket
   /// For kPublic and visitors: whether the owner of the scan allows exact slices.
   bool slices = false;
-  /// The requester has no account and is placed only within the visitors' share of the slots.
+  /// Whether the requester has no account and is placed only within the visitors' share of the
+  /// slots.
   bool visitor = false;
-  /// The source of a visitor, such as the hash of an address. It is limited once half of that share
-  /// is in use.
+  /// The source of a visitor, such as the hash of an address, for visitor_slots_of_source().
   std::string visitor_from = {};
 };
 
@@ -71,13 +71,13 @@ struct Placed {
 class Placement {
  public:
   virtual ~Placement() = default;
-  /// One round trip. Idempotent for a session with a live worker (only the ticket is new). Returns
-  /// kUnavailable if no worker has a free slot or enough memory, kTooLarge if the visitors' share
-  /// of the slots is in use (only for visitors), kNotFound if the ID belongs to another user's
-  /// session, kTooMany if the user has reached the session limit, and kUnauthenticated if the
-  /// browser has been signed out in the meantime.
+  /// Places a session in one round trip. Idempotent for a session with a live worker (only the
+  /// ticket is new). Returns kUnavailable if no worker has a free slot or enough memory, kTooLarge
+  /// if the visitors' share of the slots is in use (only for visitors), kNotFound if the ID belongs
+  /// to another user's session, kTooMany if the user has reached the session limit, and
+  /// kUnauthenticated if the browser has been signed out in the meantime.
   virtual Result<Placed> place(const PlaceRequest& request) = 0;
-  /// Returns kNotFound if there is none.
+  /// Returns the session, or kNotFound if it does not exist.
   virtual Result<SessionInfo> find(std::string_view session_id) = 0;
   /// Returns the user's sessions, oldest first.
   virtual Result<std::vector<SessionInfo>> sessions_of(std::string_view user_id) = 0;
@@ -96,7 +96,7 @@ class Placement {
   /// placed only on other workers. Does nothing if the session has been placed again since.
   virtual Result<void> refused(std::string_view session_id, std::string_view worker_id,
                                std::uint64_t placement) = 0;
-  /// Returns within 100 ms, for /readyz.
+  /// Returns whether Redis answers within 100 ms, for /readyz.
   virtual bool reachable() = 0;
 };
 
@@ -112,10 +112,10 @@ struct Attachment {
   std::uint32_t width = 0, height = 0;  ///< last known viewport; 0 if there is none yet
   /// Participant ID of the last known presenter; empty for the owner.
   std::string presenter;
-  std::string participant, name, link;  ///< of a guest, as in PlaceRequest
+  std::string participant, name, link;  ///< set for a guest, as in PlaceRequest
   SessionViewer viewer = SessionViewer::kGuest;
   bool slices = false;
-  bool guest_slices = false;  ///< last known: the session's guests may have exact slices
+  bool guest_slices = false;  ///< last known value: guests of the session may get exact slices
   bool visitor = false;       ///< the session belongs to the visitors' share of the slots
 };
 

@@ -23,10 +23,10 @@ function keys.ticket(ticket) return 'diaphane:ticket:' .. ticket end
 function keys.link(hash) return 'diaphane:link:' .. hash end
 function keys.link_ended(hash) return 'diaphane:link:' .. hash .. ':ended' end
 function keys.fleet_last_used(fleet) return 'diaphane:fleet:' .. fleet .. ':last_used' end
--- An api without a fleet has one set for all.
+-- All api processes without a fleet share one set.
 function keys.refused(fleet) return fleet == '' and 'diaphane:refused' or 'diaphane:fleet:' .. fleet .. ':refused' end
 
--- Redis's own time.
+-- Returns the time of the Redis server in ms, so that the clocks of other machines do not matter.
 local function now_ms()
   local time = redis.call('TIME')
   return tonumber(time[1]) * 1000 + math.floor(tonumber(time[2]) / 1000)

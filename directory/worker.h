@@ -24,14 +24,14 @@ struct Heartbeat {
   std::size_t slots = 0;
   bool draining = false;
   double load = 0;                   ///< share of the device used in the last second, 0 to 1
-  double expected = 0;               ///< share of the device that its sessions will need
+  double expected = 0;               ///< share of the device that its sessions are expected to need
   std::vector<std::string> volumes;  ///< IDs of the loaded volumes
   std::string node;                  ///< name of the machine that it runs on; empty: unknown
-  std::vector<Session> sessions;     ///< the sessions that it has
+  std::vector<Session> sessions;     ///< its current sessions
 };
 
 struct HeartbeatReply {
-  /// Address of another live worker with this name. Nothing has been written then.
+  /// Address of another live worker with this name, in which case nothing was written.
   std::optional<std::string> name_taken_by;
   /// Sessions that were ended or placed on another worker. This worker must end them.
   std::vector<std::string> ended;
@@ -51,7 +51,7 @@ struct SavedScene {
   std::uint64_t placement = 0;
   std::string scene;  ///< a serialised diaphane.v1.Scene
   std::uint64_t input_seq = 0;
-  std::uint32_t width = 0, height = 0;  ///< of the viewport
+  std::uint32_t width = 0, height = 0;  ///< size of the viewport
   std::string presenter;                ///< participant ID; empty for the owner
   bool guest_slices = false;
 };
@@ -76,10 +76,10 @@ struct Peer {
 };
 
 struct PeerQuery {
-  double asked = 0;  ///< what its own sessions need, in devices
-  /// Share used for other workers' sessions. nullopt: it lends nothing.
+  double asked = 0;  ///< current demand of its own sessions, in devices
+  /// Share of its device used for other workers' sessions. nullopt means that it lends nothing.
   std::optional<double> lent;
-  std::string fleet;                 ///< only peers of this fleet are returned; empty: without one
+  std::string fleet;                 ///< fleet of the peers to return; empty: those without a fleet
   std::size_t random = 0;            ///< number of random workers to consider
   std::vector<std::string> helpers;  ///< IDs of workers to consider in any case
 };
@@ -95,14 +95,14 @@ class WorkerDirectory {
   Result<HeartbeatReply> beat(const Heartbeat& heartbeat);
   /// Removes the worker immediately, instead of waiting until its heartbeat expires.
   Result<void> leave();
-  /// Reports to the operator. If the operator wants this worker to drain, returns the number of
-  /// free slots on other workers.
+  /// Reports to the operator. Returns nullopt, or the number of free slots on other workers if the
+  /// operator wants this worker to drain.
   Result<std::optional<std::size_t>> report(const FleetReport& report);
   /// Adds rendering time, in milliseconds by user.
   Result<void> add_render_time(const std::map<std::string, std::uint64_t>& spent);
-  /// Returns false if the session has ended or was placed again since.
+  /// Stores the state of a session. Returns false if it has ended or was placed again since.
   Result<bool> save_scene(const std::string& session_id, const SavedScene& saved);
-  /// Returns false if the session is known, or was ended on purpose.
+  /// Restores a lost session. Returns false if Redis knows it, or if it was ended on purpose.
   Result<bool> restore(const LostSession& session);
   /// Reports the capacity that this worker lends, and returns live peers.
   Result<std::vector<Peer>> peers(const PeerQuery& query);

@@ -35,8 +35,8 @@ class Workers {
   virtual Result<bool> lost(std::string_view worker_id, std::string_view incarnation) = 0;
 };
 
-/// Rendering time that workers have reported but nobody has collected yet. Implemented with Redis,
-/// and returns kUnavailable if that is unavailable.
+/// Rendering time that workers have reported but nobody has collected yet. Implemented with Redis.
+/// Returns kUnavailable if Redis is unavailable.
 class SpentRenderTime {
  public:
   virtual ~SpentRenderTime() = default;

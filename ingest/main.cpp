@@ -1,4 +1,4 @@
-// diaphane-ingestd: wiring only.
+// The main program of diaphane-ingestd, which only creates and connects its parts.
 #include <atomic>
 #include <cstdio>
 #include <functional>

@@ -16,7 +16,7 @@ using std::chrono::steady_clock;
 constexpr milliseconds kTelemetry{1000};
 /// Changes within this time are planned together.
 constexpr milliseconds kGather{10};
-/// Planning uses at most one part in this many of the time.
+/// Planning takes at most 1 / kPlanningShare of the time.
 constexpr int kPlanningShare = 5;
 constexpr unsigned kWriters = 4;
 /// A plan is executed for at most this long. What remains is planned again, so that thousands of
@@ -181,7 +181,7 @@ void Controller::work(const Snapshot& snapshot, steady_clock::time_point until) 
     }
     Result<void> done =
         fail(ErrorCode::kUnavailable, "this operator is not the leader", "NotLeading");
-    // A process that was suspended learns here that another one leads.
+    // A process that was suspended notices here that another process leads.
     if (leader_->leads()) done = executor_.carry_out(actions, snapshot);
     for (const Action* action : actions) metrics_.action(name_of(*action), done.has_value());
     const std::lock_guard lock(work_mutex_);
@@ -218,7 +218,7 @@ std::vector<directory::DrainRequest> Controller::draining() const {
     }
   });
   for (const WorkerObject& one : leaving) {
-    const auto pod = pods_->store().find(one.name);  // has the worker's name
+    const auto pod = pods_->store().find(one.name);  // a pod has its worker's name
     if (!pod || !pod->pod.owned || pod->pod.owner_uid != one.uid) continue;
     requests.push_back({one.name, owner_text(one.worker.fleet, one.uid, pod->pod.epoch)});
   }

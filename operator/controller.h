@@ -38,7 +38,7 @@ class Controller {
   Controller& operator=(const Controller&) = delete;
 
   bool listed() const;     ///< whether every kind has been listed
-  bool connected() const;  ///< to the API server
+  bool connected() const;  ///< whether the API server answers
   bool redis_answers() const { return redis_answers_; }
   bool leads() const { return leader_->leads(); }
 

@@ -60,7 +60,7 @@ Result<v1::Annotations> annotations_from_json(std::string_view json) {
   options.ignore_unknown_fields = false;
   const auto status = google::protobuf::util::JsonStringToMessage(
       google::protobuf::StringPiece(json.data(), json.size()), &annotations, options);
-  // The parser's message would repeat the texts.
+  // The parser's message is left out, because it would quote the texts.
   if (!status.ok()) return fail(ErrorCode::kInvalid, "must be a message Annotations");
   return check_annotations(std::move(annotations));
 }

@@ -15,17 +15,17 @@ inline constexpr std::size_t kLongestMarkText = 80;  ///< characters
 inline constexpr std::uint32_t kMarkColours = 8;
 inline constexpr int kMostMeasurements = 100;
 
-/// Whether all numbers are finite and within their limits.
+/// Returns whether all numbers are finite and within their limits.
 bool are_valid(const diaphane::v1::Marks& marks);
 bool are_valid(const diaphane::v1::Measurements& measurements);
 
 /// Returns a copy without unknown fields, whose texts are cleaned like names (common/names.h).
 diaphane::v1::Marks cleaned(const diaphane::v1::Marks& marks);
 
-/// Checks and cleans them. kInvalid.
+/// Checks and cleans annotations. Returns kInvalid for invalid numbers or kinds.
 Result<diaphane::v1::Annotations> check_annotations(diaphane::v1::Annotations annotations);
 
-/// Reads Protobuf JSON strictly, and checks and cleans it. kInvalid.
+/// Parses Protobuf JSON without unknown fields, checks and cleans it. Returns kInvalid on failure.
 Result<diaphane::v1::Annotations> annotations_from_json(std::string_view json);
 std::string annotations_to_json(const diaphane::v1::Annotations& annotations);
 

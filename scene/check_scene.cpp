@@ -66,7 +66,7 @@ Complaint check(const diaphane::v1::Camera& camera) {
                         "camera.orthographicHeight", "must be from 0 to 1e7 mm")) {
     return c;
   }
-  // Unused for parallel rays.
+  // An orthographic camera does not use the field of view.
   const double least_fov = camera.orthographic_height() > 0 ? 0 : 1e-3;
   if (auto c = in_range(camera.vertical_fov_degrees(), least_fov, 179.9,
                         "camera.verticalFovDegrees", "must be from 0.001 to 179.9 degrees")) {

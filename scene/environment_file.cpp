@@ -17,7 +17,7 @@ tl::unexpected<Error> not_stored() {
 
 struct Head {
   std::array<std::uint32_t, 2> size{};
-  std::size_t bytes = 0;  ///< before the first pixel
+  std::size_t bytes = 0;  ///< offset of the first pixel
 };
 
 Result<Head> head_of(std::string_view file) {

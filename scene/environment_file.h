@@ -10,19 +10,20 @@
 
 #include "common/result.h"
 
-/// The one form in which environments are stored and reach the renderer: a Radiance picture without
-/// compression, which needs no library to read and has only finite radiances that are not negative.
+/// The only form in which environments are stored and reach the renderer: a Radiance picture
+/// without compression, which needs no library to read and has only finite radiances that are not
+/// negative.
 namespace diaphane::scene {
 
-/// Largest environment that is stored. Light from finer details looks the same.
+/// Size of the largest stored environment. Finer details do not change the light visibly.
 inline constexpr std::uint32_t kMostEnvironmentWidth = 1024, kMostEnvironmentHeight = 512;
 inline constexpr std::size_t kMostEnvironmentBytes =
     std::size_t{4} * kMostEnvironmentWidth * kMostEnvironmentHeight + 64;
-/// The largest exponent byte of a pixel, and the radiance that it stands for: 10^6, or a sun.
+/// The largest exponent byte of a pixel, and the largest radiance: about 10^6, as of the sun.
 inline constexpr std::uint8_t kMostExponent = 128 + 20;
 inline constexpr float kBrightestPixel = 1048576.0f * 255 / 256;
 
-/// Red, green and blue share the exponent (Ward, "Real Pixels", Graphics Gems II).
+/// A pixel: red, green, blue and their common exponent (Ward, "Real Pixels", Graphics Gems II).
 using Rgbe = std::array<std::uint8_t, 4>;
 
 struct EnvironmentPicture {
@@ -30,7 +31,7 @@ struct EnvironmentPicture {
   std::vector<Rgbe> pixels;  ///< rows from the top
 };
 
-/// Rounds to the nearest value. Components must be from 0 to kBrightestPixel.
+/// Rounds a pixel to the nearest value. Components must be from 0 to kBrightestPixel.
 Rgbe to_rgbe(float r, float g, float b);
 
 /// Returns the radiance of a component of a pixel.
@@ -45,7 +46,7 @@ inline bool is_radiance(std::string_view file) {
 
 /// Returns width and height. Fails with kInvalid for any other form, even of Radiance pictures.
 Result<std::array<std::uint32_t, 2>> environment_size(std::string_view file);
-/// Fails like environment_size(), and for pixels that are too bright.
+/// Reads an environment. Fails like environment_size(), and for pixels that are too bright.
 Result<EnvironmentPicture> read_environment(std::string_view file);
 std::string write_environment(const EnvironmentPicture& picture);
 

@@ -21,7 +21,7 @@ PanoramaReduction::PanoramaReduction(std::uint32_t width, std::uint32_t height)
 void PanoramaReduction::add(std::uint32_t x, std::uint32_t y, float r, float g, float b) {
   const auto valid = [](float c) {
     if (std::isinf(c) && c > 0) return kInfinite;
-    // The comparison is false for what is not a number.
+    // The comparison is false for NaN.
     return c > 0 ? std::min(c, kBrightestGiven) : 0.0f;
   };
   const std::size_t i = (std::size_t{x + 1} * kept_width_ - 1) / width_;

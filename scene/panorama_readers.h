@@ -12,16 +12,16 @@
 
 namespace diaphane::scene {
 
-/// What an infinite component counts as: the largest half-precision number.
+/// Replaces an infinite component: the largest half-precision number.
 inline constexpr float kInfinite = 65504.0f;
 /// The largest component that is averaged, in the file's own units.
 inline constexpr float kBrightestGiven = 1e12f;
 
-/// Averages pixels to the size that is kept, and scales the result.
+/// Averages pixels to the size that is stored, and scales the result.
 class PanoramaReduction {
  public:
   PanoramaReduction(std::uint32_t width, std::uint32_t height);
-  /// Accepts any numbers. Each pixel must be added once.
+  /// Adds a pixel, which may have any numbers. Each pixel must be added once.
   void add(std::uint32_t x, std::uint32_t y, float r, float g, float b);
   tl::expected<EnvironmentPicture, PanoramaFault> finish() const;
 
@@ -37,7 +37,7 @@ class PanoramaReduction {
 std::optional<PanoramaFault> fault_of_size(std::uint64_t width, std::uint64_t height);
 
 tl::expected<EnvironmentPicture, PanoramaFault> read_radiance(std::string_view file);
-/// Fails with kFormat in a build without tinyexr.
+/// Reads an OpenEXR panorama. Fails with kFormat in a build without tinyexr.
 tl::expected<EnvironmentPicture, PanoramaFault> read_exr(std::string_view file);
 
 }  // namespace diaphane::scene

@@ -35,7 +35,7 @@ bool succeeded(int result, const char* message) {
   return result == TINYEXR_SUCCESS;
 }
 
-/// Returns the planes of R, G and B, or -1 for a channel that is missing.
+/// Returns the indices of the planes of R, G and B, or -1 for a channel that is missing.
 std::array<int, 3> planes_of(const EXRHeader& header) {
   std::array<int, 3> planes{-1, -1, -1};
   for (int c = 0; c < header.num_channels; ++c) {

@@ -14,7 +14,7 @@ using PictureCheck = Result<void> (*)(std::string_view file);
 /// A PictureCheck for callers that do not show textures.
 Result<void> no_pictures(std::string_view file);
 
-/// Checks all parts of a scene. kInvalid names the first invalid field
+/// Checks all parts of a scene. Returns kInvalid with the first invalid field
 /// ("lights[1].rectangle.radiance.r"), for example a number that is not finite, negative
 /// extinction, a reversed or empty range, a missing channel, or a camera without direction.
 Result<void> check_scene(const diaphane::v1::Scene& scene, PictureCheck check_picture);

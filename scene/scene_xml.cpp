@@ -36,7 +36,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
-/// A character reference such as &#xD800; can turn valid UTF-8 into invalid text.
+/// Returns whether a node is valid UTF-8. A character reference such as &#xD800; can make it
+/// invalid.
 bool has_utf8_only(const pugi::xml_node& node) {
   if (!is_utf8(node.name()) || !is_utf8(node.value())) return false;
   const auto attributes = node.attributes();
@@ -45,8 +46,8 @@ bool has_utf8_only(const pugi::xml_node& node) {
   });
 }
 
-/// Refuses a DTD and documents that are too deep or too large. Not recursive, because the depth is
-/// still unknown.
+/// Refuses a DTD, processing instructions, and documents that are too deep or too large. Not
+/// recursive, because the depth is still unknown.
 Result<void> check_form(const pugi::xml_document& document) {
   int nodes = 0, depth = 0;
   pugi::xml_node node = document.first_child();
@@ -118,7 +119,7 @@ Result<void> read_value(Message& message, const FieldDescriptor& f, const pugi::
       if (f.type() == FieldDescriptor::TYPE_BYTES) {
         return refused(path, "must not be set; a preset does not store light textures");
       }
-      // Keeps blanks.
+      // Keeps blanks at both ends of a text.
       fields.SetString(&message, &f, element.text().get());
       return {};
     default:
@@ -138,7 +139,7 @@ std::string joined(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "." + name;
 }
 
-/// The recursion is limited by the schema, which has no cycle.
+/// Reads the fields of a message. The recursion is limited by the schema, which has no cycle.
 Result<void> read_message(Message& message, const pugi::xml_node& element, const std::string& path,
                           bool& has_unknown) {
   const Reflection& fields = *message.GetReflection();

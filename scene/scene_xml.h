@@ -25,19 +25,20 @@ inline constexpr int kMostXmlNodes = 20'000;
 struct XmlPreset {
   std::string name;
   diaphane::v1::Scene scene;  ///< parsed, but not checked (check_scene)
-  /// Of the element <annotations>. Parsed, but not checked (check_annotations).
+  /// The element <annotations>, parsed but not checked (check_annotations).
   std::optional<diaphane::v1::Annotations> annotations;
-  /// Contains elements of another version, so the document is worth keeping.
+  /// The document has comments or unknown elements or attributes, so it is worth keeping.
   bool has_unknown = false;
 };
 
-/// kInvalid with the path of the element as the field ("lights[1].rectangle.radiance.r"). The field
-/// is "preset" if the text is not XML, has a DTD, or is too large or too deep, and "version" for a
-/// later version.
+/// Parses a preset. Returns kInvalid with the path of the element as the field
+/// ("lights[1].rectangle.radiance.r"). The field is "preset" if the text is not XML, has a DTD, or
+/// is too large or too deep, and "version" for a later version.
 Result<XmlPreset> preset_from_xml(std::string_view xml);
 
-/// `kept`: the document from which the preset was read, or empty. Its content besides the scene and
-/// the annotations is preserved. `annotations`: null if there are none.
+/// Returns the XML of a preset. `kept` is the document from which it was read, or empty. Its
+/// content besides the scene and the annotations is preserved. `annotations` is null if there are
+/// none.
 std::string preset_to_xml(std::string_view name, const diaphane::v1::Scene& scene,
                           std::string_view kept = {},
                           const diaphane::v1::Annotations* annotations = nullptr);

@@ -98,7 +98,7 @@ Result<std::string> hidden_frame_of_reference(const std::string&) {
   return fail(ErrorCode::kUnsupported, "this build has no libsodium");
 }
 bool is_frame_of_reference(const std::string& stored, const std::string& uid) {
-  // Such a build cannot compare a hash.
+  // A build without libsodium cannot compare hashes.
   return stored.empty() || uid.empty() || is_hidden_frame_of_reference(stored);
 }
 std::string disguised_uid(const std::string& uid) { return uid; }

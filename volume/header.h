@@ -22,8 +22,8 @@ const char* name_of(Modality modality);
 /// Returns the text of volume.json: Protobuf JSON of diaphane.v1.VolumeHeader
 /// (api/proto/volume.proto). Returns the errors of check().
 Result<std::string> to_json(const Header& header);
-/// Returns kInvalid if the text is malformed or has an unknown field, kUnsupported for another
-/// format version, and the errors of check().
+/// Parses the text of volume.json. Returns kInvalid if it is malformed or has an unknown field,
+/// kUnsupported for another format version, or the errors of check().
 Result<Header> from_json(const std::string& text);
 
 }  // namespace diaphane::volume

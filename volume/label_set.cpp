@@ -58,7 +58,7 @@ std::array<std::uint8_t, 3> label_colour(std::size_t index) {
   std::array<std::uint8_t, 3> colour{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double distance = std::abs(std::fmod(hue - 2 * static_cast<double>(i) + 9, 6.0) - 3);
-    const double share = std::clamp(2 - distance, 0.0, 1.0);  // of a fully saturated colour
+    const double share = std::clamp(2 - distance, 0.0, 1.0);  // share in a saturated colour
     colour[i] = static_cast<std::uint8_t>(std::lround(230 * (1 - saturation * (1 - share))));
   }
   return colour;
@@ -75,7 +75,7 @@ std::string clean_label_name(std::string_view name) {
   clean = clean.substr(begin, clean.find_last_not_of(' ') + 1 - begin);
   if (clean.size() > kLongestLabelName) {
     std::size_t end = kLongestLabelName;
-    // A character is kept whole or not at all.
+    // Does not cut through a character.
     while (end > 0 && (static_cast<std::uint8_t>(clean[end]) & 0xc0) == 0x80) --end;
     clean.resize(end);
     while (!clean.empty() && clean.back() == ' ') clean.pop_back();

@@ -23,9 +23,9 @@ struct Labels {
 inline constexpr std::size_t kMostLabels = 255;
 inline constexpr std::size_t kLongestLabelName = 64;  ///< bytes of UTF-8
 
-/// What a label of a scan is called and how it is shown at first.
+/// The name of a label of a scan, and how it is shown at first.
 struct LabelEntry {
-  std::uint32_t number = 0;  ///< in the file that it comes from; unique within a set, not 0
+  std::uint32_t number = 0;  ///< number in the original file; unique within a set, not 0
   std::string name;          ///< empty if the file has none
   std::array<std::uint8_t, 3> colour{};  ///< sRGB
 
@@ -41,7 +41,8 @@ struct LabelSet {
   bool empty() const { return table.empty(); }
 };
 
-/// Returns a colour for a label whose file gives none. Colours of successive indices differ much.
+/// Returns a colour for a label whose file gives none. Successive indices get very different
+/// colours.
 std::array<std::uint8_t, 3> label_colour(std::size_t index);
 
 /// Returns the name without control characters, as valid UTF-8 and no longer than allowed.

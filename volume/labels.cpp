@@ -55,8 +55,8 @@ void for_each_run(std::string_view runs, Each each) {
   }
 }
 
-/// Returns the runs of sound labels. All are checked before anything is allocated, so that damaged
-/// bytes cost no memory.
+/// Checks encoded labels and returns their runs. Allocates nothing, so that damaged bytes cost no
+/// memory.
 Result<std::string_view> checked_runs(std::string_view bytes, std::array<std::uint32_t, 3> size,
                                       std::uint8_t most = kLastOfIngest) {
   if (!bytes.starts_with(kMagic)) return invalid("These are not labels of this version.");

@@ -35,7 +35,7 @@ Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> s
 /// Returns the largest possible size of encoded labels: a run of two bytes for each voxel.
 std::uint64_t most_label_bytes(const Header& header);
 
-/// Whether the volume has labels, and some voxels show support.
+/// Returns whether the volume has labels, and some voxels show support.
 bool has_support(const Volume& volume);
 
 /// Sets all voxels that show neither body nor metal to the volume's minimum. Without labels it

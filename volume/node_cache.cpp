@@ -28,7 +28,7 @@ constexpr const char* kSweepLock = ".sweep";
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 static_assert(kPiece % Seal::kBlock == 0);
 
-/// Returns "<id>.<tag>.sealed".
+/// Returns the file name of a copy, "<id>.<tag>.sealed".
 std::string name_of(const std::string& id, const Seal& seal) {
   return id + "." + seal.tag() + kSuffix;
 }
@@ -59,8 +59,8 @@ class FileLock {
   bool held_ = false;
 };
 
-/// Uses the precise clock, because timestamps that the file system sets itself advance only every
-/// few milliseconds.
+/// Marks the file as just used. Uses the precise clock, because timestamps that the file system
+/// sets itself advance only every few milliseconds.
 void mark_used(int file) {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
@@ -178,7 +178,7 @@ bool NodeCache::read_copy(const std::string& name, const Seal& seal, const Heade
     try {
       voxels.resize(header.voxel_count());
     } catch (const std::bad_alloc&) {
-      return false;  // The copy may be sound, so it stays.
+      return false;  // The copy may be intact, so it stays.
     }
     RunningHash hash;
     auto* data = reinterpret_cast<char*>(voxels.data());

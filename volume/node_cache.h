@@ -48,15 +48,16 @@ class NodeCache {
   struct Counts {
     std::uint64_t hits = 0;
     std::uint64_t misses = 0;
-    std::uint64_t damaged = 0;  ///< included in the misses
+    std::uint64_t damaged = 0;  ///< damaged copies, which also count as misses
     std::uint64_t kept = 0;
     std::uint64_t refused = 0;  ///< not kept: too large, disk full, or busy with another copy
     std::uint64_t evicted = 0;
     std::uint64_t erased = 0;  ///< copies whose volume was erased or replaced
-    std::uint64_t bytes = 0;   ///< in the folder, when last listed
+    std::uint64_t bytes = 0;   ///< bytes in the folder when it was last listed
   };
 
-  /// Returns kUnsupported without libsodium, or kUnavailable if the folder cannot be used.
+  /// Opens the folder. Returns kUnsupported without libsodium, or kUnavailable if it cannot be
+  /// used.
   static Result<std::unique_ptr<NodeCache>> open(Options options);
   /// Aborts a copy that is being written.
   ~NodeCache();
@@ -68,7 +69,7 @@ class NodeCache {
 
   /// Copies a volume that read() returned, in a background thread, unless the copy exists.
   void keep(Volume volume);
-  /// Whether keep() would make a copy of this volume, because there is none yet.
+  /// Returns whether keep() would make a copy of this volume, because there is none yet.
   bool misses(const Volume& volume) const;
   /// Waits until the copy that keep() started is finished.
   void wait();

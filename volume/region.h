@@ -64,8 +64,8 @@ struct Cut {
   std::uint64_t kept = 0;  ///< number of kept voxels
 };
 
-/// Returns kInvalid if fewer than kLeastSide voxels are left along an axis that had as many, or if
-/// a shorter axis would become shorter.
+/// Computes the cut. Returns kInvalid if fewer than kLeastSide voxels are left along an axis that
+/// had as many, or if a shorter axis would become shorter.
 Result<Cut> plan_cut(const Header& header, const Region& region);
 
 /// Returns the header of the volume after a cut. measure() fills minimum, maximum and percentiles,

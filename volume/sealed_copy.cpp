@@ -10,7 +10,7 @@ namespace diaphane::volume {
 
 namespace {
 
-// Keyed BLAKE2b. Each purpose has its own key, so the results are independent.
+// Derives bytes with keyed BLAKE2b. Each purpose has its own key, so the results are independent.
 template <std::size_t N>
 void derive(std::array<unsigned char, N>& out, const std::string& from, const char* purpose) {
   const std::string key = std::string("diaphane copy: ") + purpose;

@@ -11,11 +11,12 @@ namespace diaphane::volume {
 
 /// Encrypts copies of voxels outside the volume store with XChaCha20. The key is derived from the
 /// content hash, which is stored only in the volume's header in the store and not with the copy.
-/// Once the volume is erased or replaced there, its copies are unreadable, on whatever disk they
-/// are and even if they are never deleted.
+/// Once the volume is erased or replaced there, its copies cannot be decrypted, even if they are
+/// never deleted.
 class Seal {
  public:
-  /// Returns kUnsupported in a build without libsodium, or for a volume without a hash.
+  /// Derives the key. Returns kUnsupported in a build without libsodium or for a volume without a
+  /// hash.
   static Result<Seal> of(const std::string& content_hash);
 
   /// Distinguishes copies of different contents in file names without revealing the hash.

@@ -14,15 +14,16 @@ namespace {
 
 /// Stored slices are refined if they are farther apart than this many pixels.
 constexpr double kSteps = 1.3;
-/// Motion is estimated on averages of pixels that are at most this wide together, in mm, which is
-/// faster than on single pixels and as exact, as long as the shorter side has kShortest of them.
+/// Motion is estimated on squares of averaged pixels of at most this width in mm, which is faster
+/// than on single pixels and as exact, as long as the shorter side has kShortest of them.
 constexpr double kMotionPixel = 2;
 constexpr int kShortest = 64;
 /// Motion by less than this, in pixels, does not change the interpolated values noticeably.
 constexpr float kLeastMotion = 1.F / 32;
 
-/// How far to trust the motion where the slices differ by `straight` without it and by `along` with
-/// it. Where they are alike anyway, such as in air, it must not bring values from elsewhere.
+/// Returns the weight of the motion, from 0 to 1, where the slices differ by `straight` without it
+/// and by `along` with it. Where they are alike anyway, such as in air, it must not bring values
+/// from elsewhere.
 float trust(float straight, float along) {
   const float without = std::abs(straight), with = std::abs(along);
   return without > 0 ? without / (without + with) : 0;
@@ -56,8 +57,8 @@ class Refiner {
     }
   }
 
-  /// Fills the slices before the centre of the first stored one, and from that of the last one on,
-  /// with those.
+  /// Copies the first stored slice to all slices before its centre, and the last one to all slices
+  /// from its centre on.
   void fill_ends() const {
     const std::uint32_t last = stored_.header.size[2] - 1;
     for (std::uint32_t z = 0; z < first_beyond(0); ++z) copy(0, z);
@@ -65,7 +66,7 @@ class Refiner {
   }
 
  private:
-  /// Returns the first refined slice that does not lie before the centre of a stored one.
+  /// Returns the first refined slice that does not lie before the centre of stored slice `stored`.
   std::uint32_t first_beyond(std::uint32_t stored) const {
     return (2 * stored + 1) * refinement_ / 2;
   }
@@ -93,7 +94,7 @@ class Refiner {
     return plane;
   }
 
-  /// In pixels of the stored slices.
+  /// Returns the motion in pixels of the stored slices.
   Motion motion_between(const SliceImage& first, const SliceImage& second) const {
     const Motion found = estimate_motion(normalised(first), normalised(second));
     if (factor_ == 1) return found;

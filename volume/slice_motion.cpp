@@ -6,10 +6,11 @@
 namespace diaphane::volume {
 namespace {
 
-/// Motion is estimated from coarse to fine pictures, each half the size of the next finer one, of
-/// which the smallest side has at least kSmallest pixels. This finds motion of several pixels.
+/// Motion is estimated in an image pyramid from coarse to fine, which finds motion of several
+/// pixels. Each level has half the size of the next finer one, and at least kSmallest pixels per
+/// side.
 constexpr int kLevels = 4, kSmallest = 24;
-/// Estimates at each level. Each begins where the last one ended.
+/// Number of estimates at each level. Each starts from the previous one.
 constexpr int kIterations = 3;
 /// Radius of the window, in pixels, over which motion is taken to be constant. The window is
 /// applied twice, so its weight falls towards the border.
@@ -71,7 +72,7 @@ std::vector<SliceImage> pyramid(const SliceImage& finest) {
   return levels;
 }
 
-/// The motion at a level of the pyramid, as a first estimate for the level of the given size.
+/// Returns the motion of a coarser level as a first estimate for a level of the given size.
 SliceImage doubled(const SliceImage& plane, int width, int height) {
   SliceImage twice(width, height);
   for (int y = 0; y < height; ++y) {
@@ -95,8 +96,8 @@ struct Sums {
         yz(width, height) {}
 };
 
-/// Computes `mean` and `change` of both slices, each moved by half the motion, so that they would
-/// be equal if the motion were right.
+/// Computes the mean and the difference of both slices, each moved by half the motion. The
+/// difference is zero where the motion is right.
 void compare(const SliceImage& first, const SliceImage& second, const Motion& motion,
              SliceImage& mean, SliceImage& change) {
   for (int y = 0; y < first.height; ++y) {
@@ -132,7 +133,7 @@ void multiply_gradients(const SliceImage& mean, const SliceImage& change, Sums& 
   }
 }
 
-/// Adds the step that minimises the change within the window (least squares).
+/// Adds to the motion the step that minimises the difference within the window (least squares).
 void step(const Sums& sums, Motion& motion) {
   for (std::size_t i = 0; i < motion.x.values.size(); ++i) {
     const float xx = sums.xx.values[i] + kNoise, yy = sums.yy.values[i] + kNoise;

@@ -34,7 +34,8 @@ inline float sample(const SliceImage& plane, float x, float y) {
   return above + down * (below - above);
 }
 
-/// In pixels: what lies at p - motion / 2 in the first slice lies at p + motion / 2 in the second.
+/// Motion between two slices in pixels: p - motion / 2 in the first is p + motion / 2 in the
+/// second.
 struct Motion {
   SliceImage x, y;
 };

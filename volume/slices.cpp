@@ -28,7 +28,8 @@ Ways ways_of(Plane plane) {
   return {{0, 1}, {1, 1}, {2, 1}};
 }
 
-// Rounds the direction to right-angle rotations if it differs from one only by rounding errors.
+// Returns the direction, rounded to a rotation by right angles if it differs from one only by
+// rounding errors.
 std::array<double, 9> axes_of(const Header& header) {
   std::array<double, 9> axes = header.direction;
   for (double& entry : axes) {
@@ -96,7 +97,7 @@ SliceStack plan_stack(const Header& header, Plane plane) {
 
 namespace {
 
-// `kept` may be null, which means all voxels.
+// Reads a slice. `kept` may be null, which means all voxels.
 Result<std::vector<std::int16_t>> read_slice(const Volume& volume, const SliceStack& stack,
                                              std::uint32_t index, std::int16_t outside,
                                              const KeptVoxels* kept) {

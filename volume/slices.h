@@ -10,7 +10,7 @@
 
 namespace diaphane::volume {
 
-/// The patient's axis that the slices are perpendicular to.
+/// The anatomical plane of a slice.
 enum class Plane { kAxial, kCoronal, kSagittal };
 inline constexpr std::array kPlanes{Plane::kAxial, Plane::kCoronal, Plane::kSagittal};
 

@@ -24,7 +24,7 @@ Result<std::size_t> sweep_unfinished(const std::string& store);
 /// no volume. Returns nullopt if the header cannot be read, for example because the disk does not
 /// respond.
 std::optional<std::string> stored_hash(const std::string& directory);
-/// The same for its version (version_of).
+/// Like stored_hash, for the version of the volume (version_of).
 std::optional<std::string> stored_version(const std::string& directory);
 /// Returns the content hash of a volume and, if it has labels, a space and their hash.
 std::string version_of(const Header& header);

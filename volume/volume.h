@@ -28,12 +28,11 @@ struct Header {
   double window_width = 0;   ///< 0 means unknown
   std::int32_t minimum = 0;
   std::int32_t maximum = 0;
-  std::array<double, 8> percentiles{};  ///< at 1, 10, 25, 50, 75, 90, 99, 99.9 %
+  std::array<double, 8> percentiles{};  ///< percentiles 1, 10, 25, 50, 75, 90, 99 and 99.9
   std::string content_hash;             ///< empty until stored
-  std::vector<std::string> repairs;     ///< in plain language
-  /// Where the scan lies in the patient's space: the centre of voxel (0, 0, 0) in mm (LPS). Labels
-  /// of other files find their place by it. Absent in volumes that were stored before there were
-  /// labels.
+  std::vector<std::string> repairs;     ///< corrections made by ingest, in plain language
+  /// Position of the scan in the patient's space: the centre of voxel (0, 0, 0) in mm (LPS), for
+  /// placing labels from other files. Absent in volumes that were stored before labels existed.
   std::optional<std::array<double, 3>> origin;
   /// Identifier of that space, stored only as a salted hash (frame_of_reference.h). Empty: unknown.
   std::string frame_of_reference;

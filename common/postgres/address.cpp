@@ -18,7 +18,8 @@ struct FreeOptions {
 };
 using Options = std::unique_ptr<PQconninfoOption, FreeOptions>;
 
-/// libpq uses a service file only for its defaults, selected by this environment variable.
+/// Sets PGSERVICE while it exists, because libpq reads a service file only for its default
+/// settings.
 class ServiceOfDefaults {
  public:
   explicit ServiceOfDefaults(const std::string& name) {

@@ -48,8 +48,8 @@ std::unique_ptr<pqxx::connection> connect(const std::string& url, const std::str
                           {"keepalives_interval", "5"},
                           {"keepalives_count", "3"},
                           {"tcp_user_timeout", std::to_string(patience.answer.count())}}));
-  // libpqxx 6 would silently reopen a lost connection without the settings below. (Deprecated,
-  // because version 7 no longer does that.)
+  // Without the call below, libpqxx 6 would silently reopen a lost connection. The call is
+  // deprecated, because version 7 no longer does that.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
   connection->inhibit_reactivation(true);

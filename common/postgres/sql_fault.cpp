@@ -10,8 +10,8 @@ bool is_name_part(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
-/// Returns the first words of a statement ("UPDATE users SET"). It stops before anything that could
-/// be a value, so they are only keywords and names of tables.
+/// Returns the first words of a statement ("UPDATE users SET"). Stops before anything that could be
+/// a value, so the result has only keywords and names of tables.
 std::string first_words(std::string_view statement) {
   constexpr int kWords = 3;
   std::string words;

@@ -27,11 +27,11 @@ bool limit(__rlimit_resource resource, std::uint64_t value) {
   return setrlimit(resource, &limits) == 0;
 }
 
-// System calls needed to read an upload and build a volume from it (from strace of every pixel
-// packing).
+// System calls needed to read an upload and to build a volume or labels from it (from strace of
+// every pixel packing).
 constexpr std::array kAllowed{
     SCMP_SYS(brk), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(futex),
-    // time, randomness, own process
+    // These concern only time, random numbers and the process itself.
     SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday), SCMP_SYS(getrandom), SCMP_SYS(getpid),
     SCMP_SYS(gettid), SCMP_SYS(sched_yield), SCMP_SYS(sched_getaffinity), SCMP_SYS(rt_sigaction),
     SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn), SCMP_SYS(close), SCMP_SYS(exit),
@@ -64,7 +64,7 @@ bool filter_calls(const SandboxLimits& limits) {
   };
   for (const int call : kAllowed) allow(call);
   for (const int call : kRefused) add(SCMP_ACT_ERRNO(EACCES), call, {});
-  // Only the upload may be read, and only the descriptors opened for output may be written (0 to 2
+  // Only the input may be read, and only the descriptors opened for output may be written (0 to 2
   // are /dev/null).
   const auto input = static_cast<scmp_datum_t>(limits.input);
   const auto last = static_cast<scmp_datum_t>(limits.last_output);

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kTick{50};
 
-/// Runs after fork. Uses only calls that are safe between fork and exec in a process with threads.
+/// Replaces the forked child with `program`. Uses only calls that are safe between fork and exec in
+/// a process with threads.
 [[noreturn]] void become(const char* program, char* const* arguments, int input, int output,
                          int report, pid_t parent) {
   constexpr int kCannot = 127;
@@ -46,7 +47,7 @@ constexpr std::chrono::milliseconds kTick{50};
   _exit(kCannot);
 }
 
-/// Reads what the pipe holds, without waiting.
+/// Appends what the pipe contains to `report`, without waiting.
 void drain(int fd, std::string& report) {
   std::array<char, 4096> part{};
   for (;;) {
@@ -57,8 +58,8 @@ void drain(int fd, std::string& report) {
   }
 }
 
-/// Returns the processor time with 100 ms of tolerance, because the kernel measures a limit and a
-/// usage differently.
+/// Returns the CPU time plus a tolerance of 100 ms, because the kernel measures a limit and a usage
+/// differently.
 std::chrono::milliseconds cpu_time(const rusage& usage) {
   const auto of = [](const timeval& time) {
     return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
@@ -113,7 +114,7 @@ Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool
   close(pipe[0]);
   end.peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
   if (killed) {
-    // The machine was too busy, or something stopped the child.
+    // A child that used little CPU time waited for a busy machine or was stopped by a signal.
     const bool busy = cpu_time(usage) < command.time_limit / 2;
     if (end.how == ChildEnd::How::kTimedOut && busy) end.how = ChildEnd::How::kDelayed;
     return end;

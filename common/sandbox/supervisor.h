@@ -11,8 +11,8 @@
 namespace diaphane {
 
 /// Descriptors that are open in a child, besides 0, 1 and 2 (/dev/null).
-inline constexpr int kChildInput = 3;   ///< the upload, read only
-inline constexpr int kChildOutput = 4;  ///< an unnamed file, for voxels
+inline constexpr int kChildInput = 3;   ///< the input, such as an upload, read only
+inline constexpr int kChildOutput = 4;  ///< an unnamed file, for the result
 inline constexpr int kChildReport = 5;  ///< a pipe, for at most kLongestReport bytes
 inline constexpr std::size_t kLongestReport = 60000;
 
@@ -41,7 +41,8 @@ struct ChildEnd {
 
 /// Runs a child with an empty environment and no open descriptors but those above, and waits for
 /// its end. It is killed at its time limit, when `should_continue` (called every 50 ms) returns
-/// false, and by the kernel when the calling thread ends. kInternal when it cannot be started.
+/// false, and by the kernel when the calling thread ends. Returns kInternal if it cannot be
+/// started.
 Result<ChildEnd> run_child(const ChildCommand& command,
                            const std::function<bool()>& should_continue);
 

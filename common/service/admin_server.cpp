@@ -89,7 +89,7 @@ struct AdminServer::Impl {
 void AdminServer::Impl::accept() {
   acceptor.async_accept([this](beast::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    // No descriptor is free. Retry after a pause instead of busy-waiting.
+    // Accepting fails if no descriptor is free. Retries after a pause instead of busy-waiting.
     if (error) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     if (!error) begin(std::move(socket));
     accept();

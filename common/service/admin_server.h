@@ -35,7 +35,7 @@ class AdminServer {
     std::function<std::string()> details;  ///< JSON object to merge into /readyz, or empty
   };
 
-  /// Returns kUnavailable if the port is in use.
+  /// Starts the server. Returns kUnavailable if the port is in use.
   static Result<std::unique_ptr<AdminServer>> start(Options options);
   ~AdminServer();
 

@@ -20,7 +20,7 @@ std::shared_ptr<tls_api::CertificateProviderInterface> watch(const TlsFiles& fil
                                                                    files.ca, kLookedAt);
 }
 
-/// A caller that is refused may call again at once, so only some of the refusals are logged.
+/// Returns true at most once per second, because a refused caller may call again at once.
 bool is_time_to_log() {
   using Clock = std::chrono::steady_clock;
   static std::atomic<Clock::rep> next{0};

@@ -8,10 +8,11 @@
 
 namespace diaphane::wire {
 
-/// Mutual TLS if `tls` is on, otherwise plaintext. Reloads the files every `kLookedAt` seconds.
+/// Returns credentials for mutual TLS if `tls` is on, otherwise for plaintext. Reloads the files
+/// every `kLookedAt` seconds.
 std::shared_ptr<grpc::ServerCredentials> server_credentials(const InnerTls& tls);
 
-/// Watches the files; use one object for all channels of a program.
+/// Returns the client's counterpart. It watches the files, so a program uses one for all channels.
 std::shared_ptr<grpc::ChannelCredentials> channel_credentials(const InnerTls& tls);
 
 /// Returns a channel to `address`. If TLS is required but unavailable, the channel fails
@@ -20,12 +21,12 @@ std::shared_ptr<grpc::Channel> open_channel(
     const std::string& address, const InnerTls& tls,
     const std::shared_ptr<grpc::ChannelCredentials>& credentials, grpc::ChannelArguments arguments);
 
-/// OK if the caller's certificate has the role, or if `tls` does not require roles. Otherwise
-/// PERMISSION_DENIED with a message that names both, which is also logged.
+/// Returns OK if the caller's certificate has the role, or if `tls` does not require roles.
+/// Otherwise returns PERMISSION_DENIED with a message that names both, and logs it.
 grpc::Status require_role(const grpc::CallbackServerContext& call, Role role, const InnerTls& tls,
                           const std::string& method);
 
-/// Seconds.
+/// Interval in seconds at which the files are checked for changes.
 inline constexpr unsigned kLookedAt = 2;
 
 }  // namespace diaphane::wire

@@ -22,11 +22,11 @@ struct InnerTls {
   TlsFiles files;
   /// Name that a gRPC server's certificate must have. Empty means the host of its address.
   std::string name;
-  /// A caller's certificate must have the role that a method requires. If false, every certificate
-  /// of the CA may call every method.
+  /// Requires a caller's certificate to have the role of a method. If false, every certificate of
+  /// the CA may call every method.
   bool roles = true;
-  /// The operator has allowed connections to remote hosts without TLS, because the network itself
-  /// is private or encrypted.
+  /// Allows connections to remote hosts without TLS, because the network itself is private or
+  /// encrypted.
   bool plain_allowed = false;
 
   bool on() const { return !files.ca.empty(); }
@@ -40,13 +40,13 @@ bool read_plain_allowed(ConfigReader& in);
 /// inconsistent, and a certificate without the role of this program.
 InnerTls read_inner_tls(ConfigReader& in, Role own);
 
-/// Returns kInvalid with the name of the file if the files cannot be used.
+/// Checks that the files can be used. Returns kInvalid with the name of one that cannot.
 Result<void> check(const TlsFiles& files);
 
-/// Whether `address` (a host or host:port) is 127.0.0.0/8, ::1, localhost or unix:/path.
+/// Returns whether `address` (a host or host:port) is 127.0.0.0/8, ::1, localhost or unix:/path.
 bool is_this_machine(std::string_view address);
 
-/// Returns kInvalid, with advice, if `address` requires TLS but would be reached without it.
+/// Checks that `address` may be reached without TLS. Returns kInvalid, with advice, if not.
 Result<void> may_be_plain(std::string_view address, const InnerTls& tls);
 
 /// Reports a mistake if the setting `name` has an address that requires TLS (also by rediss://) and

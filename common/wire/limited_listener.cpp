@@ -78,7 +78,7 @@ Fd listen_on(std::string host, std::uint16_t port) {
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
   const bool everywhere = host == "0.0.0.0" || host == "::";
-  // A machine without IPv6 listens for IPv4 alone.
+  // A machine without IPv6 listens on IPv4 only.
   const std::vector<std::string> hosts =
       everywhere ? std::vector<std::string>{"::", "0.0.0.0"} : std::vector{host};
   for (const std::string& one : hosts) {

@@ -27,13 +27,13 @@ std::optional<PeerAddress> parse_peer(const std::string& peer);
 /// deadline of the handshake and still open. The server that owns a connection closes it at the
 /// deadline unless it is authenticated, so this count is an upper bound. Not thread-safe.
 ///
-/// Addresses from which an authenticated call came are counted apart from all others, so that
+/// Addresses that have made an authenticated call are counted separately from all others, so that
 /// strangers at many addresses cannot keep known clients from connecting.
 class UnfinishedHandshakes {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
   struct Limits {
-    std::size_t total = 256;  ///< of known addresses, and again of all others
+    std::size_t total = 256;  ///< limit for known addresses, and again for others
     std::size_t per_address = 32;
     std::chrono::milliseconds deadline{10'000};
   };
@@ -42,10 +42,10 @@ class UnfinishedHandshakes {
 
   explicit UnfinishedHandshakes(Limits limits) : limits_(limits) {}
 
-  /// Whether a connection may be handed to the server. If so, counts it.
+  /// Returns whether a connection may be handed to the server, and counts it if so.
   bool admit(const PeerAddress& address, int socket, TimePoint now);
-  /// An authenticated call came from this address. Forgets the one of the longest ago above
-  /// `kMostKnown`.
+  /// Records an authenticated call from this address. Above `kMostKnown` addresses, forgets the one
+  /// with the oldest call.
   void know(const PeerAddress& address, TimePoint now);
   std::size_t count() const { return connections_.size(); }
 
@@ -53,7 +53,7 @@ class UnfinishedHandshakes {
   struct Connection {
     PeerAddress address;
     int socket;
-    ino_t inode;  ///< tells whether the descriptor still is this connection
+    ino_t inode;  ///< for detecting that the descriptor was closed and reused
     TimePoint since;
     bool known;
   };
@@ -62,15 +62,15 @@ class UnfinishedHandshakes {
   const Limits limits_;
   std::deque<Connection> connections_;  ///< the oldest first
   TimePoint swept_{};
-  std::map<PeerAddress, TimePoint> known_;  ///< with the time of the last call
+  std::map<PeerAddress, TimePoint> known_;  ///< time of the last call by address
 };
 
 /// Listens on a TCP port and hands the connections to a server, but closes those that exceed the
 /// limits. gRPC 1.51 itself limits unfinished handshakes only in time.
 class LimitedListener {
  public:
-  /// `host` is an address or a name, as in "host:port". 0.0.0.0 and [::] mean all addresses, of
-  /// IPv6 too. Port 0 means any free port. Returns kUnavailable if the port cannot be opened.
+  /// Opens the port. `host` is an address or a name, as in "host:port". 0.0.0.0 and [::] mean all
+  /// addresses, including IPv6. Port 0 means any free port. Returns kUnavailable on failure.
   static Result<std::unique_ptr<LimitedListener>> open(const std::string& host, std::uint16_t port,
                                                        UnfinishedHandshakes::Limits limits);
   ~LimitedListener();
@@ -80,7 +80,7 @@ class LimitedListener {
   void start(std::function<void(int socket)> take);
   /// Closes the port. Connections that were handed over stay open.
   void stop();
-  /// An authenticated call came from `peer`, in gRPC's form: "ipv4:1.2.3.4:5" or
+  /// Records an authenticated call from `peer`, in gRPC's form: "ipv4:1.2.3.4:5" or
   /// "ipv6:%5B::1%5D:5". Thread-safe.
   void know(const std::string& peer);
 

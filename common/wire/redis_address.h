@@ -15,7 +15,7 @@ struct RedisAddress {
   bool with_tls = false;
 };
 
-/// Whether the address is "rediss://host:port".
+/// Returns whether the address is "rediss://host:port".
 bool wants_tls(std::string_view address);
 
 /// Parses "host:port", "rediss://host:port" (TLS) or "unix:/path", or returns kInvalid.

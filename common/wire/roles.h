@@ -12,12 +12,12 @@ namespace diaphane::wire {
 /// alternative names for each of its roles.
 enum class Role { kApi, kGateway, kRenderd, kOperator };
 
-/// "gateway"
+/// Returns the name of the role, such as "gateway".
 std::string_view to_string(Role role);
-/// "spiffe://diaphane/gateway"
+/// Returns the URI of the role, such as "spiffe://diaphane/gateway".
 std::string role_uri(Role role);
 
-/// Whether one of a certificate's URIs is that of the role.
+/// Returns whether one of a certificate's URIs is that of the role.
 bool has_role(const std::vector<std::string>& uris, Role role);
 
 /// Returns the roles among `uris`, in words for a message: "no role" or "the role api".
@@ -27,7 +27,7 @@ std::string describe_roles(const std::vector<std::string>& uris);
 /// Returns kInvalid if the file contains no certificate.
 Result<std::vector<std::string>> uris_of(const std::string& certificate_file);
 
-/// Returns kInvalid, with advice, unless the certificate has the role.
+/// Checks that the certificate has the role. Returns kInvalid, with advice, if it lacks it.
 Result<void> check_role(const std::string& certificate_file, Role role);
 
 }  // namespace diaphane::wire

@@ -1,8 +1,9 @@
 -- Consumes a ticket, even if it turns out to be unusable, and returns where its session is (docs/contracts.md, "Redis").
 --
 -- ARGV: ticket, reservation ms, session s
--- Returns {"attach", session, user, data set, worker, address, incarnation, placement, scene, input seq, width,
--- height, presenter, participant, name, link, viewer, slices, guest slices, visitor}, or {why}: "unknown" (ticket), "gone" (session), "worker_lost" (ask for a new ticket).
+-- Returns {"attach", session, user, data set, worker, address, incarnation, placement, scene, input seq, width, height,
+-- presenter, participant, name, link, viewer, slices, guest slices, visitor}, or {why}: "unknown" (ticket), "gone"
+-- (session), "worker_lost" (ask for a new ticket).
 
 local ticket_key = keys.ticket(ARGV[1])
 local ticket = redis.call('HMGET', ticket_key, 'session', 'user', 'participant', 'name', 'link', 'viewer',
@@ -18,7 +19,7 @@ if not s[1] or s[1] ~= ticket[2] then return {'gone'} end
 
 local worker = s[3]
 local w = redis.call('HMGET', keys.worker(worker), 'address', 'incarnation', 'slots', 'visitors')
--- The link was disabled after the ticket had been issued.
+-- The link may have been disabled after the ticket was issued.
 if ticket[5] and ticket[5] ~= '' and redis.call('EXISTS', keys.link(ticket[5])) == 0 then return {'gone'} end
 if not w[1] or w[2] ~= s[4] then return {'worker_lost'} end
 
@@ -27,7 +28,7 @@ local now = now_ms()
 local entries = keys.worker_sessions(worker)
 redis.call('ZREMRANGEBYSCORE', entries, '-inf', now)
 local entry = redis.call('ZSCORE', entries, session)
--- A user with an account displaces a visitor (place.lua).
+-- A slot held by a visitor is free for a user with an account, who displaces the visitor (place.lua).
 local displaced = s[12] == '1' and 0 or tonumber(w[4] or '0')
 if not entry and redis.call('ZCARD', entries) - displaced >= tonumber(w[3]) then return {'worker_lost'} end
 local until_ms = now + tonumber(ARGV[2])

@@ -5,7 +5,7 @@ local links_key = keys.session_links(ARGV[1])
 local ended = 0
 for _, hash in ipairs(redis.call('SMEMBERS', links_key)) do
   redis.call('DEL', keys.link(hash))
-  -- A link that is merely missing may have been lost with Redis, and its guests stay.
+  -- Marks the link as disabled: one that is merely missing may have been lost with Redis, and its guests stay.
   redis.call('SET', keys.link_ended(hash), '1', 'EX', kLinkEndedS)
   ended = ended + 1
 end

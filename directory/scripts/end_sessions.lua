@@ -1,6 +1,6 @@
 -- Ends sessions and frees their slots immediately. The workers learn of it with their next heartbeat.
 --
--- ARGV: "session", "data_set" or "user", id; or "browser", its id, the id of its user. Returns the number of ended sessions.
+-- ARGV: "session", "data_set" or "user", id; or "browser", its id, the id of its user. Returns how many sessions ended.
 
 local function finish(session)
   local session_key = keys.session(session)

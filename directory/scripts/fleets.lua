@@ -9,13 +9,13 @@ local kPage = 256
 
 local now = now_ms()
 
--- The order is only for the pod of this owner. A later pod may have the same name.
+-- The drain request is only for the pod of this owner, because a later pod may have the same name.
 local cursor, count = ARGV[1], tonumber(ARGV[2])
 for i = count + 3, #ARGV, 2 do
   redis.call('SET', keys.worker_drain(ARGV[i]), ARGV[i + 1], 'PX', kDrainMs)
 end
 
--- A session that found no slot counts towards its fleet, or towards the first one if api names none.
+-- Returns how many sessions found no slot recently. They count towards their fleet, or the first one if api names none.
 local function refused_of(key)
   redis.call('ZREMRANGEBYSCORE', key, '-inf', now - kUnplacedMs)
   return redis.call('ZCARD', key)
@@ -40,7 +40,7 @@ for _, id in ipairs(page[2]) do
   end
 end
 
--- Stored in Redis, so that the next leader knows it too.
+-- The time of last use is stored in Redis, so that the operator's next leader knows it too.
 local last = {}
 for i = 1, count do
   local fleet = ARGV[i + 2]

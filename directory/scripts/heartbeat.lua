@@ -1,18 +1,19 @@
--- A worker reports that it is alive and which sessions it has, in one round trip (docs/contracts.md, Redis).
--- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 expected load, 10 volumes,
---       11 node (empty: unknown), then session id, placement and visitor ("1": a visitor's session or a guest's free camera) of each live session
+-- Stores that a worker is alive and which sessions it has, in one round trip (docs/contracts.md, Redis).
+-- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 expected load,
+--       10 volumes, 11 node (empty: unknown), then of each live session its id, placement and visitor ("1": a
+--       visitor's session or a guest's free camera)
 -- Returns {"beat", {sessions to end, because they were ended or placed on another worker}, {sessions to restore, because
 -- Redis has lost them}}, or {"name_taken", address of another live worker}.
 local worker_key, entries = keys.worker(ARGV[1]), keys.worker_sessions(ARGV[1])
 local now = now_ms()
 
--- A worker with fresh heartbeats owns its name. At the same address it must be the previous process, which has ended
--- because a port has only one owner, so this worker takes over immediately.
+-- A worker with fresh heartbeats owns its name. A worker at the same address must be the previous process, which has
+-- ended because a port has only one owner, so this worker takes over immediately.
 local stored = redis.call('HMGET', worker_key, 'incarnation', 'address')
 local before = stored[1]
 if before and before ~= ARGV[2] and stored[2] and stored[2] ~= ARGV[3] then return {'name_taken', stored[2]} end
 
--- The sessions of the previous process ended with it. Reservations made since are for this one.
+-- The sessions of the previous process ended with it. Reservations made from now on are for this one.
 if before and before ~= ARGV[2] then
   redis.call('DEL', entries)
 end
@@ -25,7 +26,7 @@ for i = 12, #ARGV, 3 do
   local id, placement, is_visitor = ARGV[i], ARGV[i + 1], ARGV[i + 2] == '1'
   local key = keys.session(id)
   local there = redis.call('HMGET', key, 'worker', 'placement')
-  -- If the hash is merely missing, Redis was lost, and the session continues.
+  -- If only the session's hash is missing, Redis has lost its data, and the session continues.
   local ended = redis.call('EXISTS', keys.session_ended(id)) == 1
   if ended or there[1] and there[1] ~= ARGV[1] and tonumber(there[2] or 0) > tonumber(placement) then
     redis.call('ZREM', entries, id)
@@ -42,8 +43,8 @@ for i = 12, #ARGV, 3 do
   end
 end
 
--- A session of the last heartbeat that has ended frees its slot immediately. A reservation whose viewer has not arrived
--- yet stays until it expires.
+-- Frees the slots of sessions that have ended since the last heartbeat. A reservation whose viewer has not arrived yet
+-- stays until it expires.
 local previous = redis.call('HGET', worker_key, 'live')
 if previous and before == ARGV[2] then
   for id in string.gmatch(previous, '[^,]+') do

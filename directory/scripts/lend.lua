@@ -1,9 +1,8 @@
--- A worker reports the capacity that it lends, and gets the peers that could help with its own pictures
+-- Stores the capacity that a worker lends, and returns the peers that could help with its own pictures
 -- (docs/contracts.md, Redis).
 -- ARGV: 1 worker id, 2 incarnation, 3 demand of its own sessions, 4 lent capacity (empty: none), 5 its fleet (empty:
 --       none), 6 number of random peers to consider, then the ids of its helpers
--- Returns {{id, address, demand, lent capacity, ms since its heartbeat, draining, volumes, node},
--- ...} of live workers.
+-- Returns {{id, address, demand, lent capacity, ms since its heartbeat, draining, volumes, node}, ...} of live workers.
 local kFields = {'address', 'load', 'asked', 'lent', 'draining', 'volumes', 'owner', 'epoch', 'node'}
 
 if redis.call('HGET', keys.worker(ARGV[1]), 'incarnation') == ARGV[2] then

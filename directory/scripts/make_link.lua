@@ -1,6 +1,6 @@
 -- Creates a link with which others can join a session (docs/contracts.md, "Redis"). Stores only the hash of its token.
 -- ARGV: session, user, hash of the token, lifetime in s, maximum links per session
--- Returns "made" (also if the link exists), "gone" (the user has no such session), "ended" (it was disabled) or "too_many".
+-- Returns "made" (also if the link exists), "gone" (no such session of the user), "ended" (it is disabled), "too_many".
 
 local session_key = keys.session(ARGV[1])
 if redis.call('HGET', session_key, 'user') ~= ARGV[2] then return 'gone' end

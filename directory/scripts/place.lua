@@ -9,8 +9,8 @@
 --       relation of the viewer to the scan (SessionViewer), and whether the owner allows slices (1 or 0);
 --       "1" for a viewer without an account; percentage of all slots that such viewers may hold together;
 --       hash of the address of such a viewer: one address may hold at most half of that share
--- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full", "no_memory",
--- "visitors". If the session is not placed, writes nothing but that fact.
+-- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full",
+-- "no_memory", "visitors". If the session is not placed, writes nothing but that fact.
 
 local session, user, data_set, ticket, epoch = ARGV[1], ARGV[2], ARGV[3], ARGV[4], ARGV[5]
 local reservation_ms, ticket_s, session_s = tonumber(ARGV[6]), tonumber(ARGV[7]), tonumber(ARGV[8])
@@ -26,10 +26,10 @@ local session_key = keys.session(session)
 local user_key = keys.user_sessions(user)
 local data_set_key = keys.data_set_sessions(data_set)
 
--- If there are more than kSampledWorkers workers, a session considers that many random ones, further ones while all of
--- them are full, and the workers of the last sessions on the same data set.
+-- Numbers for more than kSampledWorkers workers: `kLookers` of the newest sessions on the same data set, whose workers
+-- are considered, and `kTries` random samples at most, until a worker has a free slot.
 local kTries, kLookers = 8, 16
--- Added to the score of a worker on which a visitor would be displaced, so that this is the last choice.
+-- Added to the score of a worker on which a visitor would be displaced, so that such a worker is the last choice.
 local kDisplaces = 1000
 
 -- Returns whether a slot of `worker` is still reserved for `id`.
@@ -62,8 +62,8 @@ local function usable(worker)
           visitors = tonumber(w[9]) or 0}
 end
 
--- Returns the expected load of a worker's device (docs/adr/0032). A session that started after its last report counts as
--- one slot's share.
+-- Returns the expected load of a worker's device (docs/adr/0032). A session that started after the worker's last report
+-- counts as one slot's share.
 local function expected_of(w, used)
   if not w.expected then return math.max(w.load, used / w.slots) end
   return w.expected + math.max(0, used - w.sessions) / w.slots
@@ -88,7 +88,7 @@ end
 
 if not chosen then
   is_new = true
-  -- The user's other sessions: the number that hold a slot, and the oldest of the rest.
+  -- Counts the user's other sessions and those that hold a slot, and finds the oldest without one.
   local placed, remembered, oldest_unplaced = 0, 0, nil
   for _, other in ipairs(redis.call('ZRANGE', user_key, 0, -1)) do
     if other ~= session then
@@ -119,7 +119,7 @@ if not chosen then
       local used = redis.call('ZCARD', keys.worker_sessions(worker))
       if redis.call('ZSCORE', keys.worker_sessions(worker), session) then used = used - 1 end
       workers_seen, slots_seen = workers_seen + 1, slots_seen + w.slots
-      -- A user with an account displaces a visitor. The worker does so when the new session arrives.
+      -- A user with an account may displace a visitor. The worker does so when the new session arrives.
       local displaces = used >= w.slots and not by_visitor and used - w.visitors < w.slots
       if has_refused(worker) then
         why_not = 'no_memory'
@@ -139,7 +139,7 @@ if not chosen then
   if count <= kSampledWorkers then
     for _, worker in ipairs(redis.call('SMEMBERS', keys.workers)) do consider(worker) end
   else
-    -- A few random workers out of thousands balance the load almost as well as the best of all, at a constant cost. The
+    -- A few random workers out of thousands balance the load almost as well as all of them, at a constant cost. The
     -- sessions on the data set tell which workers have its volume.
     for _, other in ipairs(redis.call('ZREVRANGE', data_set_key, 0, kLookers - 1)) do
       local worker = redis.call('HGET', keys.session(other), 'worker')
@@ -195,8 +195,8 @@ if not entry or tonumber(entry) < until_ms then
 end
 redis.call('EXPIRE', keys.worker_sessions(chosen.id), kSlotsS)
 
--- Whether the slot counts as a visitor's: a new placement decides it, and a user with an account who joins a visitor's
--- session takes it over.
+-- Whether the slot counts as a visitor's. A new placement decides this, and a user with an account who joins a
+-- visitor's session makes it count as theirs.
 local visitor = known[6] == '1'
 if not by_visitor then visitor = false elseif is_new then visitor = true end
 if visitor then
@@ -208,7 +208,7 @@ end
 redis.call('HSET', session_key, 'user', user, 'data_set', data_set, 'worker', chosen.id,
            'incarnation', chosen.incarnation, 'reserved_until', until_ms, 'visitor', visitor and '1' or '')
 if visitor and is_new then redis.call('HSET', session_key, 'visitor_from', visitor_from) end
--- All browsers that got a ticket. Signing out any of them ends the session.
+-- Records all browsers that got a ticket. Signing out any of them ends the session.
 if browser ~= '' then
   local browsers = redis.call('HGET', session_key, 'browsers') or ','
   if not string.find(browsers, ',' .. browser .. ',', 1, true) then

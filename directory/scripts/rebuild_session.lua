@@ -1,6 +1,7 @@
 -- Restores a session that Redis has lost (because it restarted empty). Called by the worker that has it.
 -- ARGV: 1 session, 2 user, 3 data set, 4 worker, 5 incarnation, 6 placement, 7 scene, 8 input_seq, 9 width, 10 height,
---       11 presenter, 12 whether guests may see slices (1 or 0), 13 "1" for a visitor's session, then the hashes of the guests' links
+--       11 presenter, 12 whether guests may see slices (1 or 0), 13 "1" for a visitor's session, then the hashes of the
+--       guests' links
 -- Returns 1 if it was written, or 0 if it exists or was ended.
 local session_key, links_key = keys.session(ARGV[1]), keys.session_links(ARGV[1])
 if redis.call('EXISTS', session_key) == 1 or redis.call('EXISTS', keys.session_ended(ARGV[1])) == 1 then return 0 end

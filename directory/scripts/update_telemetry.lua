@@ -14,12 +14,12 @@ elseif not before[3] then
   redis.call('HSET', worker_key, 'idle_since', now)
 end
 
--- An order for the previous pod does not apply to this one.
+-- A drain request for the previous pod does not apply to this one.
 if redis.call('GET', keys.worker_drain(ARGV[1])) ~= ARGV[3] then return -1 end
 redis.call('HSET', worker_key, 'draining', '1')
 local room = 0
 if before[4] and before[4] ~= '' then
-  -- It moves only a few sessions per second, so the room on this many workers is enough.
+  -- A draining worker moves only a few sessions per second, so the free slots of this many workers are enough.
   for _, id in ipairs(redis.call('SRANDMEMBER', keys.workers, 64)) do
     if id ~= ARGV[1] then
       local w = redis.call('HMGET', keys.worker(id), 'slots', 'draining')

@@ -8,9 +8,9 @@
 namespace diaphane::ingest {
 namespace {
 
-constexpr int kMostVoxelsPerCell = 16;  // along one axis; sums of a cell then fit in 32 bits
+constexpr int kMostVoxelsPerCell = 16;  // limit per axis, so that sums of a cell fit in 32 bits
 
-/// Chooses for each patient axis the voxel axis that is nearest, each once.
+/// Assigns to each patient axis the nearest voxel axis, and each voxel axis only once.
 void choose_axes(const volume::Header& header, Cells& cells) {
   std::array<std::size_t, 3> order{0, 1, 2};
   double best = -1;
@@ -48,8 +48,8 @@ void lay_out(const volume::Header& header, Cells& cells) {
   cells.mean.resize(stride);
 }
 
-/// Calls `combine(to, from)` on every pair of cells that lie `shift` apart along `axis`, in blocks
-/// of consecutive cells, which the compiler vectorises.
+/// Calls `combine(a, b, n)` for blocks of n consecutive cells from `a` and from `b`, which lie
+/// `shift` apart along `axis`. The compiler vectorises such blocks.
 template <typename Combine>
 void shifted(const Cells& cells, std::size_t axis, int shift, Combine combine) {
   std::size_t stride = 1;
@@ -62,7 +62,7 @@ void shifted(const Cells& cells, std::size_t axis, int shift, Combine combine) {
   }
 }
 
-/// Marks what can be reached over cells of a level that are not in `mask`.
+/// A flood fill from the border of an axial level over the cells that are not in `mask`.
 class LevelFlood {
  public:
   LevelFlood(const std::uint8_t* mask, int width, int height, Border border)
@@ -96,7 +96,7 @@ class LevelFlood {
     reached = 1;
     waiting_.push_back(cell);
   }
-  /// Starts from the gaps of one edge that are not closed.
+  /// Starts the fill at the gaps of one edge, except those that `border_` closes.
   void edge(int begin, int step, int n) {
     for (int i = 0; i < n;) {
       int stop = i;
@@ -243,7 +243,7 @@ Cells make_cells(const volume::Volume& volume, int threshold) {
 CellMask dilated(const Cells& cells, CellMask mask, const std::array<int, 3>& radius) {
   CellMask before(mask.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // Each step adds what lies up to `shift` further on both sides, which doubles the reach.
+    // Each step adds the mask shifted to both sides by at most its reach, which doubles the reach.
     for (int reach = 0; reach < radius[axis];) {
       const int shift = std::min(std::max(1, reach), radius[axis] - reach);
       std::copy(mask.begin(), mask.end(), before.begin());
@@ -286,7 +286,7 @@ Components components(const Cells& cells, const CellMask& mask) {
   Runs runs(cells, mask);
   runs.join();
   Components found{std::vector<std::int32_t>(cells.count(), -1), {}};
-  std::vector<std::int32_t> label_of(runs.size(), -1);  // by the run that stands for its set
+  std::vector<std::int32_t> label_of(runs.size(), -1);  // label of a component, by its root run
   std::vector<std::size_t> sizes;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     std::int32_t& label = label_of[runs.root(i)];

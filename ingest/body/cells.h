@@ -20,13 +20,13 @@ struct Cells {
 
   std::array<int, 3> size{};
   std::array<double, 3> mm{};                       ///< edges of a cell
-  std::array<std::vector<std::size_t>, 3> offsets;  ///< see cell_of
-  /// How voxel index i[axis[p]] lies along patient axis p: ascending, or from the end if flipped.
+  std::array<std::vector<std::size_t>, 3> offsets;  ///< terms of a cell's index, see cell_of
+  /// The voxel axis along patient axis p is axis[p]. Its indices run backwards if flipped[p].
   std::array<std::size_t, 3> axis{};
   std::array<bool, 3> flipped{};
   std::array<int, 3> voxels_per_cell{};  ///< along patient axes
 
-  std::vector<std::uint8_t> matter;  ///< eighths of the voxels at or above the threshold, rounded
+  std::vector<std::uint8_t> matter;  ///< share of the voxels at or above the threshold, in eighths
   std::vector<std::int16_t> mean;
 
   std::size_t count() const { return matter.size(); }
@@ -48,27 +48,28 @@ struct Cells {
   std::size_t cell_of(std::size_t i, std::size_t j, std::size_t k) const {
     return offsets[0][i] + offsets[1][j] + offsets[2][k];
   }
-  /// Returns the number of cells of `mm` along each axis, at least 1.
+  /// Returns how many cells `mm_wide` spans along each axis, at least 1.
   std::array<int, 3> radius(double mm_wide) const;
   double cell_volume() const { return mm[0] * mm[1] * mm[2]; }
 };
 
 Cells make_cells(const volume::Volume& volume, int threshold);
 
-/// Grows or shrinks by a box of `radius` cells. Outside of the grid, cells are as at its border.
+/// Dilates or erodes by a box of `radius` cells. Cells outside of the grid equal those at its
+/// border.
 CellMask dilated(const Cells& cells, CellMask mask, const std::array<int, 3>& radius);
 CellMask eroded(const Cells& cells, CellMask mask, const std::array<int, 3>& radius);
 
-/// Grows `seed` within `mask` by `steps` neighbourhoods of 26.
+/// Dilates `seed` within `mask` by `steps` steps over the 26 neighbours of a cell.
 CellMask grown_within(const Cells& cells, CellMask seed, const CellMask& mask, int steps);
 
-/// Whether a short gap of a level's border between two parts of a mask is closed, as where the
-/// field of view cuts a body.
+/// Whether filled() closes a short gap of a level's border between two parts of a mask, such as
+/// where the field of view cuts a body.
 enum class Border { kOpen, kClosed };
-/// Adds what `mask` encloses in any axial level.
+/// Returns `mask` with the holes of each axial level filled.
 CellMask filled(const Cells& cells, const CellMask& mask, Border border);
 
-/// Cells by their index. A volume has fewer than 2^32 voxels (ScanLimits::most_voxels).
+/// Indices of cells. A volume has fewer than 2^32 voxels (ScanLimits::most_voxels).
 using CellList = std::vector<std::uint32_t>;
 
 /// The connected components (26 neighbours) of a mask.

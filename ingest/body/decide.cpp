@@ -7,19 +7,19 @@
 namespace diaphane::ingest {
 namespace {
 
-// Shells of tables and headrests, bars and straps are thinner than twice this; the trunk, limbs and
-// the head are thicker.
+// Radius of the opening. Shells of tables and headrests, bars and straps are thinner than twice
+// this; the trunk, limbs and the head are thicker.
 constexpr double kOpeningMm = 4.5;
-constexpr int kRegrownCells = 2;  // what the opening takes from rounded edges
-constexpr double kLimbCm3 = 20;   // the least volume of a body part that stands alone
+constexpr int kRegrownCells = 2;  // growth that restores the rounded edges lost to the opening
+constexpr double kLimbCm3 = 20;   // minimum volume of a separate body part
 constexpr double kTouchMm = 4;
-constexpr double kNearMm = 15;      // ears, the nose and fingers lie this near to thicker parts
+constexpr double kNearMm = 15;      // ears, nose and fingers are this close to thicker parts
 constexpr double kLongMm = 80;      // thin parts of a body are shorter
 constexpr double kWideMm = 100;     // shells are wider
-constexpr double kLeastCore = 0.4;  // of all matter; below, the body itself is thin
+constexpr double kLeastCore = 0.4;  // minimum share of the matter; below, the body itself is thin
 constexpr double kMostShellMm = 6.5;
-constexpr double kMostCutMm = 15;  // mean thickness of what a surface takes from the body
-constexpr double kSpeckCm3 = 0.2;  // of noise that hangs together
+constexpr double kMostCutMm = 15;  // maximum mean thickness that a surface cuts from the body
+constexpr double kSpeckCm3 = 0.2;  // connected noise has less volume than this
 
 using Members = CellList;
 
@@ -87,8 +87,8 @@ double continuation(const Cells& cells, const Components& all, const Members& me
   return asked == 0 ? 0 : static_cast<double>(found) / static_cast<double>(asked);
 }
 
-/// Whether a component has nearly the same cross-section all along the patient, as tables and
-/// headrests have, even in a tilted scan.
+/// Returns whether a component has nearly the same cross-section all along the patient, as tables
+/// and headrests have, even in a tilted scan.
 bool is_straight(const Cells& cells, const Components& all, const Members& members) {
   constexpr double kLeastAlongMm = 30, kStepMm = 15, kShare = 0.9;
   const Extent extent = extent_of(cells, members);
@@ -104,7 +104,7 @@ bool is_straight(const Cells& cells, const Components& all, const Members& membe
   return false;
 }
 
-/// A wide slab, such as a table that is filled with dense foam.
+/// Returns whether a component is a wide slab, such as a table that is filled with dense foam.
 bool is_slab(const Cells& cells, const Components& all, const Members& members) {
   const Extent extent = extent_of(cells, members);
   const double x = extent.mm(cells, 0), y = extent.mm(cells, 1);
@@ -134,7 +134,7 @@ class Decider {
     for (std::size_t i = 0; i < matter_.size(); ++i) matter_[i] = cells_.matter[i] >= least;
   }
 
-  /// Opens the matter, and keeps the parts that may be of a body.
+  /// Finds the core of the body by a morphological opening of the matter.
   void find_core() {
     const auto radius = cells_.radius(kOpeningMm);
     // In MR, the skin is a thin shell around the dark skull. CT has no such gaps unless its skin
@@ -167,8 +167,8 @@ class Decider {
     return static_cast<double>(part.size()) * cells_.cell_volume() / 1000;
   }
 
-  /// Takes the largest part, all that are large enough to be a limb, and what is next to these,
-  /// such as fingers.
+  /// Takes as the core the largest part, all parts that are large enough for a limb, and smaller
+  /// parts next to these, such as fingers.
   void take_body_parts(const Components& wide) {
     std::size_t most = 0;
     for (const Members& part : wide.members) most = std::max(most, part.size());
@@ -203,7 +203,8 @@ class Decider {
     }
     const std::array<double, 2> down = side_of(supports);
     for (const Members* part : doubtful) assign(*part, is_shell(*part, down), supports);
-    // All supports together show the most of a surface; else each may have its own.
+    // All supports together show most of a surface. If it cannot be fitted, each is tried
+    // separately.
     if (supports.empty() || cut_behind(supports)) return;
     for (const Members& part : components(cells_, support_).members) cut_behind(part);
   }
@@ -219,7 +220,7 @@ class Decider {
     const double outside = 1 - share_in(near, part);
     if (scale_.noisy && cm3(part) < kSpeckCm3) return Place::kNowhere;
     const Extent extent = extent_of(cells_, part);
-    // Without a body to compare with, only a wide shell is a support: vessels are long, too.
+    // Without a core to compare with, only a wide shell is a support, because vessels are long too.
     const bool is_long = has_core_
                              ? extent.longest(cells_) >= kLongMm
                              : std::max(extent.mm(cells_, 0), extent.mm(cells_, 1)) >= kWideMm;
@@ -238,8 +239,8 @@ class Decider {
                        : std::array<double, 2>{x / length, y / length};
   }
 
-  /// Whether a straight part close to the body is the shell that it lies on, rather than a thin
-  /// wall of the body.
+  /// Returns whether a straight part close to the body is the shell that the body lies on, rather
+  /// than a thin wall of the body.
   bool is_shell(const Members& part, const std::array<double, 2>& down) const {
     if (thickness(part) > kMostShellMm) return false;
     const auto along = [&](const std::array<double, 3>& at) {
@@ -253,7 +254,8 @@ class Decider {
     return along(middle_of_all(cells_, part)) > middle + 0.5 * (most - middle);
   }
 
-  /// Returns the median over a part of the shortest way through the matter along an axis, in mm.
+  /// Returns the thickness of a part in mm: the median of the shortest path through matter per
+  /// cell.
   double thickness(const Members& part) const {
     std::vector<double> ways;
     for (std::size_t i = 0; i < part.size(); i += part.size() / 1000 + 1) {
@@ -281,7 +283,7 @@ class Decider {
     return eighths / 8 * cells_.mm[axis];
   }
 
-  /// Returns thick parts to the body that touch both it and a support, such as fingers.
+  /// Moves thick parts in front of the surface that touch the body, such as fingers, back to it.
   void rescue_before(const Surface& surface) {
     const CellsBehind behind(surface, cells_);
     CellMask before(cells_.count(), 0);
@@ -301,8 +303,8 @@ class Decider {
     }
   }
 
-  /// Cuts the body where it touches a support: behind the support's surface. Returns false if the
-  /// support has none.
+  /// Moves the part of the body that lies behind the support's surface to the support. Returns
+  /// false if no surface can be fitted.
   bool cut_behind(const Members& part) {
     const auto surface = fit_surface(volume_, cells_, scale_.matter, part, bulk_middle_);
     if (!surface) return false;

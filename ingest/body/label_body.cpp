@@ -11,10 +11,10 @@ namespace {
 
 using volume::Label;
 
-constexpr int kMetalHu = 2500;   // enamel, the densest tissue, is rarely above
-constexpr double kMarginMm = 1;  // of air that belongs to the body
+constexpr int kMetalHu = 2500;   // enamel, the densest tissue, rarely exceeds this
+constexpr double kMarginMm = 1;  // margin of air that belongs to the body
 
-/// Relative cost of the voxels of a cell.
+/// How the voxels of a cell are labelled: all alike, or each by its value.
 enum class Work : std::uint8_t { kAllOutside, kAllBody, kEachVoxel };
 
 /// Labels voxels by the decision about their cells, slice by slice.
@@ -40,7 +40,7 @@ class Painter {
   volume::Labels paint() {
     const std::size_t depth = volume_.header.size[2], reach = margin_[2];
     volume::Labels labels{volume_.header.size, std::vector<std::uint8_t>(area_ * depth)};
-    // Slices with the margin within the slice, in a ring.
+    // A ring buffer of slices in which the body has grown by the margin within the slice.
     std::vector<std::vector<std::uint8_t>> ring(2 * reach + 1, std::vector<std::uint8_t>(area_));
     std::vector<std::uint8_t> grown(area_);
     for (std::size_t next = 0, z = 0; z < depth; ++z) {
@@ -155,8 +155,7 @@ class Painter {
     }
   }
 
-  /// Returns the label of a voxel of the body or of its margin, which does not reach into a
-  /// support.
+  /// Returns the label of a voxel of the body or its margin. The margin stops at a support.
   Label within_margin(std::size_t cell, int value, const std::array<std::size_t, 3>& at) const {
     const CellKind kind = decision_.kinds[cell];
     if (value >= scale_.matter) {
@@ -194,7 +193,7 @@ class Painter {
 
 volume::Labels label_body(const volume::Volume& volume) {
   if (volume.voxels.empty()) return {volume.header.size, {}};
-  // Where PET shows little uptake, there may still be a body.
+  // All of a PET scan is body, because parts of the body with little uptake look like air.
   if (volume.header.modality == volume::Modality::kPt) {
     return {volume.header.size,
             std::vector(volume.voxels.size(), static_cast<std::uint8_t>(Label::kBody))};

@@ -5,11 +5,10 @@
 
 namespace diaphane::ingest {
 
-/// Labels the patient, what carries or holds them (table, headrest, frame, straps), and metal. In
-/// doubt, matter belongs to the body. The body includes the air that it encloses, and extends at
-/// least 1 mm into the air around it, so that a renderer that hides all other voxels leaves the
-/// skin untouched. All of a PET scan is body. Precondition: the volume is measured
-/// (volume::measure).
+/// Labels the patient, their supports (table, headrest, frame, straps) and metal. If in doubt,
+/// matter belongs to the body. The body includes the air that it encloses, and extends at least 1
+/// mm into the air around it, so that a renderer that hides all other voxels leaves the skin
+/// untouched. A PET scan is entirely body. Precondition: the volume is measured (volume::measure).
 volume::Labels label_body(const volume::Volume& volume);
 
 }  // namespace diaphane::ingest

@@ -44,7 +44,7 @@ bool solve(std::array<std::array<double, kTerms + 1>, kTerms>& m,
   return true;
 }
 
-enum class Shape { kTrough, kAny };  // a parabola across, or one of degree 4
+enum class Shape { kTrough, kAny };  // polynomial of degree 2 or 4 across
 
 bool least_squares(Surface& surface, Shape shape, const std::vector<Sample>& samples,
                    const std::vector<double>& weights) {
@@ -61,7 +61,7 @@ bool least_squares(Surface& surface, Shape shape, const std::vector<Sample>& sam
   for (std::size_t i = 0; i < kTerms; ++i) {
     for (std::size_t j = 0; j < i; ++j) m[i][j] = m[j][i];
   }
-  // A slight preference for small terms keeps the gap below the body smooth.
+  // A slight ridge regularisation keeps the gap below the body smooth.
   for (std::size_t i = 1; i < kTerms; ++i) m[i][i] += 1e-4 * sum;
   if (shape == Shape::kTrough) {
     for (const std::size_t i : {3, 4}) m[i][i] += 1e6 * sum;
@@ -87,8 +87,8 @@ bool refit(Surface& surface, Shape shape, const std::vector<Sample>& samples, We
   return true;
 }
 
-/// Returns the share of samples on the surface, or 0 if many lie in front of it: then it is not the
-/// front, but the lower skin of a hollow table.
+/// Returns the share of samples on the surface, or 0 if many lie in front of it, because then it is
+/// the lower skin of a hollow table.
 double quality(const Surface& surface, const std::vector<Sample>& samples) {
   double on = 0, before = 0;
   for (const Sample& sample : samples) {
@@ -106,7 +106,7 @@ bool robust_fit(Surface& surface, const std::vector<Sample>& samples) {
   Surface best = surface;
   double most = 0;
   for (const Shape shape : {Shape::kTrough, Shape::kAny}) {
-    // Weights for what lies behind a surface: from the mean surface to the front of everything.
+    // Weights of the samples behind the surface, from a mean surface to the front of all samples.
     for (const double behind : {1.0, 0.2, 0.05}) {
       Surface next = surface;
       if (!least_squares(next, shape, samples, std::vector<double>(samples.size(), 1)) ||
@@ -117,7 +117,7 @@ bool robust_fit(Surface& surface, const std::vector<Sample>& samples) {
         continue;
       }
       const double share = quality(next, samples);
-      // A simpler shape is safer where the surface does not show.
+      // Prefers the simpler shape, which is safer where the body hides the surface.
       if (share <= (shape == Shape::kAny ? 1.1 : 1) * most) continue;
       most = share;
       best = next;
@@ -127,7 +127,7 @@ bool robust_fit(Surface& surface, const std::vector<Sample>& samples) {
   return most >= kLeastInliers;
 }
 
-/// Reads voxels by their place along the patient's axes.
+/// Reads voxels by their position along the patient's axes.
 class PatientVoxels {
  public:
   PatientVoxels(const volume::Volume& volume, const Cells& cells) : volume_(volume) {
@@ -174,7 +174,7 @@ std::optional<double> front_of(const PatientVoxels& voxels, const Cells& cells, 
   at[d] -= step * per;
   for (int i = 0; i <= 2 * per; ++i, at[d] += step) {
     if (at[d] < 0 || at[d] >= voxels.size(d) || voxels.value(at) < threshold) continue;
-    // The side of the voxel that faces the body.
+    // Returns the depth of the voxel's face towards the body.
     return surface.sign * (at[d] + (step > 0 ? 0 : 1)) * voxels.mm(d);
   }
   return std::nullopt;
@@ -227,7 +227,7 @@ std::optional<Surface> fit_surface(const volume::Volume& volume, const Cells& ce
                                    const std::array<double, 3>& body_middle) {
   Surface surface;
   choose_direction(surface, cells, members, body_middle);
-  // The first cell of each column from the body's side.
+  // Finds the first cell of each column from the body's side.
   std::map<std::pair<int, int>, int> fronts;
   for (const std::size_t cell : members) {
     const auto at = cells.place(cell);

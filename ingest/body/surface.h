@@ -8,12 +8,12 @@
 namespace diaphane::ingest {
 
 /// The surface of a support on which a body lies, as depth over the position across and along the
-/// patient. Supports are straight along the patient, so the part that shows beside the body tells
-/// where it runs below the body.
+/// patient. Supports are straight along the patient, so the visible part beside the body determines
+/// the part below the body.
 struct Surface {
   std::size_t across = 0, deep = 1;  ///< patient axes (0: x, 1: y)
   double sign = 1;                   ///< depth grows along +deep or -deep
-  double low = 0, high = 0;          ///< mm, range of the position across that was seen
+  double low = 0, high = 0;          ///< mm, observed range of the position across
   double middle = 0, half = 1;       ///< mm, centre and half width of that range
   double along_middle = 0, along_half = 1;
   std::array<double, 7> terms{};
@@ -24,7 +24,7 @@ struct Surface {
   double depth(double u, double z) const;
 };
 
-/// Answers Surface::behind for the centres of cells from one evaluation per column of cells.
+/// Computes Surface::behind at the centres of cells from one evaluation per column of cells.
 class CellsBehind {
  public:
   CellsBehind(const Surface& surface, const Cells& cells);
@@ -41,7 +41,7 @@ class CellsBehind {
 };
 
 /// Fits the surface of a support that faces the body. `members` are the support's cells. Returns
-/// nothing if it is not smooth and straight.
+/// nullopt if the surface is not smooth and straight.
 std::optional<Surface> fit_surface(const volume::Volume& volume, const Cells& cells, int threshold,
                                    const CellList& members,
                                    const std::array<double, 3>& body_middle);

@@ -27,7 +27,7 @@ Histogram histogram_of(std::span<const std::int16_t> voxels) {
   return histogram;
 }
 
-/// Returns the value that separates two classes best (Otsu).
+/// Returns Otsu's threshold between two classes.
 double otsu(const Histogram& histogram) {
   double total = 0, sum = 0;
   for (std::size_t i = 0; i < histogram.size(); ++i) {
@@ -54,8 +54,8 @@ struct Background {
   double median = 0, upper = 0;  ///< `upper` bounds 99.7 % of a Rayleigh distribution
 };
 
-/// Estimates air from the values below `limit`. The lower half of them is air even where dark
-/// tissue is as frequent as noise.
+/// Estimates the values of air from those below `limit`. The lower half of these is air even where
+/// dark tissue is as frequent as noise.
 Background background_below(const Histogram& histogram, double limit) {
   const auto end = static_cast<std::size_t>(std::max(0.0, limit - kLowest)) + 1;
   double total = 0;
@@ -69,8 +69,8 @@ Background background_below(const Histogram& histogram, double limit) {
     return limit;
   };
   const double low = quantile(0.02), quarter = quantile(0.25), median = quantile(0.5);
-  // For a Rayleigh distribution, the quartile is at 0.76 sigma and the 99.7 % quantile at 3.4
-  // sigma.
+  // The lowest values stand for zero. For a Rayleigh distribution, the quartile is at 0.76 sigma
+  // and the 99.7 % quantile at 3.4 sigma.
   return {median, quarter + 3.5 * (quarter - low)};
 }
 

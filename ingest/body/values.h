@@ -4,13 +4,13 @@
 
 namespace diaphane::ingest {
 
-/// What the values of a volume mean for telling matter from air.
+/// Thresholds that separate matter from air in the values of a volume.
 struct ValueScale {
   bool hounsfield = false;  ///< values are Hounsfield units
   bool density = false;     ///< values rise with density, as in CT; tissue has no dark gaps
-  bool noisy = false;       ///< some of the air is above `matter`
-  int matter = 0;           ///< the least value of skin
-  int foam = 0;             ///< the least mean value of a cell of foam; only for Hounsfield units
+  bool noisy = false;       ///< air has noise, some of which may be above `matter`
+  int matter = 0;           ///< minimum value of skin
+  int foam = 0;             ///< minimum mean value of a cell of foam; only for Hounsfield units
 };
 
 ValueScale value_scale(const volume::Volume& volume);

@@ -38,8 +38,8 @@ class Voxels {
 
   std::uint64_t padded() const { return padded_; }
 
-  /// Halves all values of an MR or PT with 16 unsigned bits, which reach 65535. kUnsupported when
-  /// too many values were clipped.
+  /// Halves all values of an MR or PT scan with 16 unsigned bits, which reach 65535. Returns
+  /// kUnsupported if too many values were clipped.
   Result<void> settle(volume::Volume& volume) const {
     const auto voxels = static_cast<double>(volume.voxels.size());
     if (static_cast<double>(clamped_) > kLargestClippedShare * voxels) {

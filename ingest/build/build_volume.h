@@ -12,11 +12,11 @@ struct Built {
   volume::Filler filler;  ///< counts the voxels set to air because no pixel covers them
 };
 
-/// Builds the volume of series `choice.index` of `scan`. It decodes each slice into its place,
+/// Builds the volume of series `choice.index` of `scan`. Decodes each slice into its place,
 /// converts values with dicom::to_values, clamps them to int16, and resamples where the slices do
-/// not form a regular volume. kInvalid: a slice cannot be decoded. kUnsupported: many values do not
-/// fit into 16 bits. Also kOutOfMemory and the errors of `source`. Precondition: `choice.suitable`,
-/// and `source` still has the files that `scan` was made from.
+/// not form a regular volume. Returns kInvalid if a slice cannot be decoded, kUnsupported if many
+/// values do not fit into 16 bits, kOutOfMemory, or an error of `source`. Precondition:
+/// `choice.suitable`, and `source` still has the files that `scan` was made from.
 Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
                            const dicom::Choice& choice, const dicom::Limits& limits);
 

@@ -32,7 +32,7 @@ std::string trim(const std::string& text) {
   return begin < end ? std::string(begin, end) : std::string();
 }
 
-/// Lines "key<separator>value" at the start of a file, up to `last_key` or an empty line.
+/// The lines "key<separator>value" at the start of a file, up to `last_key` or an empty line.
 class HeaderText {
  public:
   HeaderText(const std::string& path, char separator, const std::string& last_key) {

@@ -23,20 +23,21 @@ bool meta_image_is_complete(const std::string& path, std::uint64_t bytes);
 /// Like meta_image_is_complete, for an NRRD with encoding raw.
 bool nrrd_is_complete(const std::string& path, std::uint64_t bytes);
 
-/// Like meta_image_axes, for an NRRD ("space", "space directions"). RAS is converted to LPS.
+/// Like meta_image_axes, for an NRRD ("space", "space directions"). Converts RAS to LPS. Returns
 /// kUnsupported for a left-handed or unknown space, because VTK's reader does not turn its rows
 /// reliably.
 Result<std::optional<std::array<double, 9>>> nrrd_axes(const std::string& path);
 
-/// Voxels of an NRRD with encoding gzip. VTK's reader takes only the first slice of it.
+/// Voxels of an NRRD with encoding gzip, of which VTK's reader would read only the first slice.
 struct PackedNrrd {
   std::array<int, 3> size{};
   std::array<double, 3> spacing{1, 1, 1};  ///< mm, from "spacings" if present
   std::string type;          ///< "int16", "uint16", "uint8", "int8", "float", "double"
   std::vector<char> voxels;  ///< little endian
 };
-/// Returns nullopt for another encoding, which VTK's reader handles. kUnsupported: big endian,
-/// other types or a second file. kInvalid: damaged. kTooLarge: more voxels than a volume may have.
+/// Returns the voxels, or nullopt for another encoding, which VTK's reader handles. Returns
+/// kUnsupported for big-endian voxels, other types or a second file, kInvalid for a damaged file,
+/// and kTooLarge for more voxels than a volume may have.
 Result<std::optional<PackedNrrd>> read_packed_nrrd(const std::string& path);
 
 /// Converts axes from the right-anterior frame of NIfTI and NRRD's RAS to the left-posterior frame.

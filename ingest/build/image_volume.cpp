@@ -25,7 +25,8 @@ struct Scaling {
   std::string repair;
 };
 
-/// Keeps integers that fit. Scales what does not fit, and floats that rounding would flatten.
+/// Returns a scaling that keeps integers that fit. Scales larger numbers to fit, and floats of a
+/// small range so that rounding does not flatten them.
 Scaling scaling_for(double low, double high, bool is_float) {
   Scaling scaling;
   const double reach = std::max(std::abs(low), std::abs(high));
@@ -52,7 +53,7 @@ void convert(const T* from, std::size_t count, double slope, double intercept, s
   }
 }
 
-/// Smallest and largest finite value.
+/// Returns the smallest and the largest finite value.
 template <typename T>
 std::array<double, 2> range_of(const T* from, std::size_t count) {
   std::array<double, 2> range{HUGE_VAL, -HUGE_VAL};
@@ -79,7 +80,7 @@ void take_values(vtkImageData* image, double slope, double intercept, bool is_fl
   convert(from, count, slope * scaling.slope, intercept * scaling.slope, volume.voxels.data());
 }
 
-/// Takes the values of an image of any type that is supported. Returns false for another type.
+/// Stores the values of an image of any supported type in `volume`. Returns false for other types.
 bool take_values_of(vtkImageData* image, double slope, double intercept, volume::Volume& volume) {
   switch (image->GetScalarType()) {
     case VTK_UNSIGNED_CHAR:

@@ -19,10 +19,10 @@ inline constexpr const char* kNoAxes = "the file does not specify its orientatio
 /// Returns an int16 image that borrows the voxels of `volume`, with its spacing and direction.
 vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume);
 
-/// Converts the scalars of `image` (one component) to a measured volume. The columns of `axes` are
-/// the steps from voxel to voxel in mm in the patient's space (LPS). Left-handed axes are reversed.
-/// `origin` is the centre of the first voxel, if known. kUnsupported: other scalars or sheared
-/// axes. See read_image for the conversion to int16.
+/// Converts the scalars of `image` (one component) to a measured volume, to int16 as in read_image.
+/// The columns of `axes` are the steps from voxel to voxel in mm in the patient's space (LPS).
+/// Left-handed axes are reversed. `origin` is the centre of the first voxel, if known. Returns
+/// kUnsupported for other scalars or sheared axes.
 Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9>& axes,
                                  double slope, double intercept, std::vector<std::string> repairs,
                                  std::optional<std::array<double, 3>> origin = std::nullopt);

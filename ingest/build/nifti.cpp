@@ -75,8 +75,8 @@ Result<void> read_size(Bytes file, NiftiHeader& header) {
   return {};
 }
 
-/// Returns the rotation of a unit quaternion, of which the file gives the last three numbers
-/// (method 2 of nifti1.h).
+/// Returns the rotation of a unit quaternion from its last three components, which the file
+/// contains (method 2 of nifti1.h).
 std::array<double, 9> rotation_of(double b, double c, double d) {
   double a = 1 - (b * b + c * c + d * d);
   if (a > 1e-7) {
@@ -116,7 +116,7 @@ void read_axes(Bytes file, NiftiHeader& header) {
                          : by_qform ? number(kQoffset + 4 * row)
                                     : 0;
   }
-  // From the right-anterior frame of NIfTI.
+  // Converts from NIfTI's right-anterior frame to LPS.
   for (std::size_t i = 0; i < 6; ++i) header.axes[i] = -header.axes[i];
   for (std::size_t i = 0; i < 2; ++i) header.origin[i] = -header.origin[i];
 }
@@ -145,7 +145,7 @@ Result<NiftiHeader> read_nifti_header(Bytes file) {
   const std::uint64_t bytes =
       std::uint64_t{header.size[0]} * header.size[1] * header.size[2] * type->bytes;
   const float begin = at<float>(file, kVoxOffset, header.swapped);
-  // NaN fails, too.
+  // The negated comparison also rejects NaN.
   if (!(begin >= kHeaderBytes && begin <= static_cast<float>(file.size()))) return damaged();
   header.voxels_begin = static_cast<std::size_t>(begin);
   if (header.voxels_begin > file.size() || file.size() - header.voxels_begin < bytes)

@@ -58,7 +58,7 @@ Result<volume::Volume> read_nifti_voxels(Bytes file, const NiftiHeader& header) 
     voxels = native;
   }
   vtkNew<vtkImageImport> import;
-  // Borrowed, and only read.
+  // VTK borrows the voxels and only reads them.
   import->SetImportVoidPointer(const_cast<std::byte*>(voxels.data()), 1);
   import->SetDataScalarType(vtk_type(header.type));
   import->SetNumberOfScalarComponents(1);

@@ -128,7 +128,7 @@ Result<volume::Volume> read_nifti(const std::string& path) {
   std::vector<std::string> repairs;
   std::optional<std::array<double, 3>> origin;
   if (matrix != nullptr) {
-    // From the right-anterior frame of NIfTI.
+    // Converts from NIfTI's right-anterior frame to LPS.
     origin = {-matrix->GetElement(0, 3), -matrix->GetElement(1, 3), matrix->GetElement(2, 3)};
     for (int row = 0; row < 3; ++row) {
       for (int axis = 0; axis < 3; ++axis) {

@@ -15,7 +15,7 @@ namespace {
 
 bool is_integer(double value) { return std::abs(value - std::round(value)) < 1e-6; }
 
-/// Number of pixels of the output that lie on the slice, according to the filter.
+/// Returns the number of output pixels that lie on the slice, according to the filter.
 std::uint64_t covered(vtkImageStencilData* stencil, int width, int height) {
   std::uint64_t count = 0;
   for (int y = 0; y < height; ++y) {

@@ -171,8 +171,8 @@ class Judge {
     return true;
   }
 
-  /// Keeps the orientation that most slices share. A few other slices are scouts (thesis 5.2), but
-  /// many are not.
+  /// Keeps the orientation that most slices share. Skips a few slices of other orientations as
+  /// scouts (thesis 5.2), and refuses a series with many.
   bool one_orientation() {
     std::vector<std::pair<Axes, Indices>> groups;
     for (const std::size_t i : kept_) {
@@ -329,7 +329,7 @@ class Judge {
            std::uint64_t{size[0]} * size[1] <= most_voxels_ / size[2];
   }
 
-  /// Computes the box of the volume. For straightened slices, it contains the union of them all.
+  /// Computes the box of the volume. If slices are straightened, the box contains all of them.
   void shape(const Stack& stack, const std::array<double, 2>& pixel, std::size_t slices) {
     result_.spacing = {pixel[1], pixel[0], stack.spacing};
     const Vec3* columns[] = {&axes_.row, &axes_.column, &axes_.normal};

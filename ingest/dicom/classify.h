@@ -43,10 +43,10 @@ inline constexpr double kShortestStack = 20;   ///< mm
 inline constexpr double kSteepestShear = 0.1;  ///< degrees between stack and slice normal
 inline constexpr double kSteepestTilt = 45;    ///< degrees; gantries tilt at most 30
 inline constexpr double kMostMissing = 0.05;   ///< share of interpolated slices
-inline constexpr std::size_t kLargestGap = 3;  ///< in slice distances
+inline constexpr std::size_t kLargestGap = 3;  ///< multiple of the slice distance
 inline constexpr double kMostVarying = 8;  ///< ratio of the largest to the smallest slice distance
-inline constexpr double kJitterMm = 0.01;  ///< maximum distance of a slice from its place: this,
-inline constexpr double kJitterShare = 0.02;  ///< or this share of the spacing
+inline constexpr double kJitterMm = 0.01;  ///< mm; maximum distance of a slice from its place,
+inline constexpr double kJitterShare = 0.02;  ///< or this share of the spacing if that is more
 
 /// Judges the slices of one series (one SeriesInstanceUID), in any order, and plans their volume.
 /// Order and spacing come only from positions along the normal of the slices. Refuses, with a

@@ -82,8 +82,8 @@ Fault fault_of_jpeg(const BigEndian& in, const TransferSyntax& syntax, const Pic
       const JpegFrame frame{marker, in.u8(at + 4), in.u16(at + 5), in.u16(at + 7), in.u8(at + 9)};
       if (auto fault = fault_of_frame(frame, syntax, claim)) return fault;
     }
-    // Not supported: a height that follows later, arithmetic coding, and presets with another size
-    // or palettes.
+    // Rejects what is not supported: a height that follows later, arithmetic coding, and presets
+    // with another size or palettes.
     const bool preset = is_ls && marker == 0xFFF8 && (length < 3 || in.u8(at + 4) != 1);
     if (marker == 0xFFDC || marker == 0xFFCC || preset) return kOtherKind;
     at += 2 + length;
@@ -127,7 +127,7 @@ Fault fault_of_rle(std::span<const std::byte> picture, const PictureClaim& claim
   for (std::uint32_t n = 1; n <= segments; ++n) {
     const std::size_t begin = word(n), end = n < segments ? word(n + 1) : picture.size();
     if (begin < kHeader || begin >= end || end > picture.size()) return kBroken;
-    // Some writers add the rest of a run.
+    // Some writers let the last run exceed the image.
     const std::uint64_t bytes = unpacked(in, begin, end, expected + 128);
     if (bytes < expected || bytes > expected + 128) return kOtherSize;
   }

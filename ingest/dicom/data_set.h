@@ -26,8 +26,8 @@ const DataSet* first_item(const DataSet& set, std::uint32_t tag);
 
 /// Returns a text without padding.
 std::string text_of(const DataSet& set, std::uint32_t tag);
-/// Returns decimal strings as finite numbers, but no more than `most` + 1. Empty if one of them is
-/// not a number.
+/// Returns decimal strings as numbers, at most `most` + 1 of them. Returns an empty vector if one
+/// of them is not a finite number.
 std::vector<double> decimals_of(const DataSet& set, std::uint32_t tag, std::size_t most);
 /// Returns unsigned 16-bit numbers.
 std::vector<std::uint16_t> shorts_of(const DataSet& set, std::uint32_t tag);

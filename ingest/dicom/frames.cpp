@@ -12,7 +12,7 @@ constexpr std::uint32_t kSopClass = 0x00080016;
 constexpr std::uint32_t kFrames = 0x00280008;
 constexpr std::uint32_t kBitsAllocated = 0x00280100;
 constexpr std::uint32_t kSamples = 0x00280002;
-/// A class without functional groups. The decoder does not care which.
+/// A SOP class without functional groups. The decoder does not depend on the class.
 constexpr std::string_view kPlainClass{"1.2.840.10008.5.1.4.1.1.4\0", 26};
 
 void put16(std::vector<std::byte>& out, std::uint32_t value, bool big_endian) {
@@ -50,8 +50,8 @@ std::uint32_t u16(const Precheck& in, std::size_t at) {
   return in.syntax.big_endian ? a << 8 | b : b << 8 | a;
 }
 
-/// Returns a 16-bit number of the top level, which is the last two bytes of the element (walk.cpp
-/// checked its length).
+/// Returns the 16-bit number of a top-level element: its last two bytes, because walk.cpp checked
+/// its length.
 std::uint32_t number(const Precheck& in, std::uint32_t tag, std::uint32_t otherwise) {
   const auto found = std::find_if(in.elements.begin(), in.elements.end(),
                                   [&](const Range& r) { return r.tag == tag; });

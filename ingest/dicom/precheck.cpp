@@ -31,7 +31,8 @@ Precheck refuse(FileState state, std::string text) {
   return result;
 }
 
-/// The group 0002 of a file, which is always explicit little endian (DICOM PS3.10, 7.1).
+/// The File Meta Information (group 0002), which is always explicit little endian (DICOM PS3.10,
+/// 7.1).
 struct Meta {
   std::size_t end = 0;  ///< start of the data set
   std::string syntax;   ///< empty if not given
@@ -77,7 +78,7 @@ std::optional<std::string_view> guess_syntax(Bytes data) {
   return std::nullopt;
 }
 
-/// Raw deflate (DICOM PS3.5, A.5), limited to `limit` bytes.
+/// The contents of a raw deflate stream (DICOM PS3.5, A.5), or the reason for refusing it.
 struct Inflated {
   std::vector<std::byte> data;
   FileState state = FileState::kFit;
@@ -159,13 +160,13 @@ std::uint64_t times(std::uint64_t a, std::uint64_t b) {
   return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
 }
 
-/// Whether a compressed image of JPEG or JPEG 2000 begins here.
+/// Returns whether a JPEG or JPEG 2000 image begins here.
 bool begins_picture(Bytes part) {
   return part.size() >= 2 && part[0] == std::byte{0xFF} &&
          (part[1] == std::byte{0xD8} || part[1] == std::byte{0x4F});
 }
 
-/// Returns the numbers of an offset table of `bytes` bytes each, or an empty vector if it is not a
+/// Returns the entries of an offset table, of `bytes` bytes each, or an empty vector if it is not a
 /// table for `count` frames.
 std::vector<std::uint64_t> offsets_of(Bytes data, const Range& table, std::uint64_t count,
                                       std::size_t bytes) {
@@ -197,7 +198,7 @@ std::vector<std::size_t> firsts_by(const std::vector<std::uint64_t>& offsets,
 }
 
 /// Assigns fragments to frames (DICOM PS3.5, A.4): one each, all to the only frame, or as an offset
-/// table specifies. Empty if the assignment is ambiguous.
+/// table specifies. Returns an empty vector if the assignment is ambiguous.
 std::vector<std::size_t> firsts_of_frames(Bytes data, const Walked& walked,
                                           const Precheck& header) {
   const std::size_t fragments = walked.fragments.size() - 1;
@@ -272,7 +273,7 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
     return refuse_with(FileState::kTooLarge, "there are more frames than allowed");
   }
   if (!walked.has_pixels) return;
-  // An image needs these fields. GDCM aborts on a header or frame without them, so none is made of
+  // An image needs these fields. GDCM aborts on a header or frame without them, so it never gets
   // such a file.
   if (result.rows == 0 || result.columns == 0 || samples == 0) {
     return refuse_with(FileState::kDamaged, "the file has pixels but no description of the image");
@@ -313,7 +314,7 @@ void inflate_within(const Limits& limits, OpenedFile& result) {
   }
 }
 
-/// Takes what a volume needs from a fit data set.
+/// Copies what a volume needs from a fit data set to `result`.
 void take_contents(Bytes data, const Walked& walked, Precheck& result) {
   result.has_lookup_table = walked.has_lookup_table;
   if (result.syntax.deflated)
@@ -372,7 +373,7 @@ Precheck precheck(Bytes file, const Limits& limits) {
   OpenedFile opened = open_file(file, limits);
   Precheck result;
   result.unpacked_bytes = opened.unpacked_bytes;
-  // The cost so far counts for a refused file, too.
+  // A refused file also reports how many bytes were unpacked.
   const auto give_up = [&](FileState state, std::string text) {
     Precheck refusal = refuse(state, std::move(text));
     refusal.unpacked_bytes = result.unpacked_bytes;

@@ -98,9 +98,10 @@ struct OpenedFile {
   TransferSyntax syntax;
   std::span<const std::byte> data;   ///< the data set, in the file or in `inflated`
   std::vector<std::byte> inflated;   ///< contents of a deflated file
-  std::uint64_t unpacked_bytes = 0;  ///< of a deflated file, even if it is refused
+  std::uint64_t unpacked_bytes = 0;  ///< size of a deflated file, even if it is refused
 };
-/// The first part of precheck(), which says what is refused. The data set is not checked.
+/// Reads the header and inflates the data set, as the first part of precheck(). Does not check the
+/// data set.
 OpenedFile open_file(std::span<const std::byte> file, const Limits& limits);
 
 /// Walks the whole file before any library reads it. It checks that every length is within the
@@ -113,7 +114,8 @@ OpenedFile open_file(std::span<const std::byte> file, const Limits& limits);
 Precheck precheck(std::span<const std::byte> file, const Limits& limits);
 
 /// Returns one frame as a separate file: `Precheck::plain` and its pixels, with compressed pixels
-/// as one fragment. Empty if the frame does not exist. Precondition: a fit file with pixels.
+/// as one fragment. Returns an empty file if the frame does not exist. Precondition: a fit file
+/// with pixels.
 std::vector<std::byte> frame_file(const Precheck& checked, std::uint64_t frame);
 
 }  // namespace diaphane::dicom

@@ -160,8 +160,8 @@ std::optional<std::array<double, 2>> padding_of(const Elements& in, bool is_sign
   return std::array{std::min(from, to), std::max(from, to)};
 }
 
-/// Returns numbers in mm that are plausible for a scanner, and treats others as missing, like text.
-/// Sums and squares of larger numbers would overflow.
+/// Returns lengths in mm if all are plausible for a scanner, otherwise nullopt, as for invalid
+/// text. Sums and squares of larger numbers would overflow.
 template <std::size_t N>
 std::optional<std::array<double, N>> within(std::optional<std::array<double, N>> values,
                                             double least, double most) {

@@ -39,7 +39,7 @@ struct Scan {
 struct ScanLimits {
   Limits file;
   std::uint64_t most_voxels = std::uint64_t{1} << 30;  ///< per volume: 2 GiB of int16
-  std::size_t most_files = 20000;                      ///< and slices
+  std::size_t most_files = 20000;                      ///< maximum of files, and of slices
   /// Limit for the total unpacked size of compressed files: `unpacked_free` plus `unpacked_ratio`
   /// times their packed size (real lossless slices: 2 to 10 times), but at most `unpacked_bytes`.
   std::uint64_t unpacked_free = std::uint64_t{1} << 27;
@@ -47,22 +47,22 @@ struct ScanLimits {
   std::uint64_t unpacked_bytes = std::uint64_t{1} << 33;
 };
 
-/// Reads all files: pre-check, header, grouping into series by identifier and patient, and a
-/// judgement of each series. kTooLarge if the files, or their unpacked size, exceed the limits.
-/// Also the errors of `source`.
+/// Reads all files, groups their slices into series by identifier and patient, and judges each
+/// series. Returns kTooLarge if the files, or their unpacked size, exceed the limits. Also returns
+/// the errors of `source`.
 Result<Scan> scan(FileSource& source, const ScanLimits& limits);
 
-/// Chooses the only suitable series, or says why the scan yields no volume. `index` is valid with
-/// `suitable`. For an upload, which holds one series.
+/// The only suitable series of an upload, which contains one series, or the reason why there is
+/// none. `index` is valid with `suitable`.
 struct Choice {
   bool suitable = false;
   std::size_t index = 0;
   std::string code, text;
-  std::vector<std::string> repairs;  ///< of the series and for omitted files
+  std::vector<std::string> repairs;  ///< repairs of the series, and omitted files
 };
 Choice choose(const Scan& scan);
 
-/// Like choose, for scans with several suitable series: the one with the most slices.
+/// Chooses the suitable series with the most slices, for scans with several.
 Choice choose_largest(const Scan& scan);
 
 }  // namespace diaphane::dicom

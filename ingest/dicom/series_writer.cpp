@@ -67,7 +67,7 @@ std::string ds_list(const Array& values) {
   return text;
 }
 
-/// An overlay of 8 x 16 bits with a label.
+/// Adds an overlay of 8 x 16 bits with a label.
 void put_overlay(gdcm::DataSet& set) {
   put(set, 0x6000, 0x0010, "US", us(8));
   put(set, 0x6000, 0x0011, "US", us(16));
@@ -132,7 +132,7 @@ void put_patient(gdcm::DataSet& set) {
   text(0x0009, 0x1002, "UN", "Unknown ");
   put(set, {0x0009, 0x1003, "SQ", "", {{0x0010, 0x0010, "PN", kCanaryName, {}}}});
   put_overlay(set);
-  // Trailing data after the pixels.
+  // Adds trailing data after the pixels.
   text(0xFFFC, 0xFFFC, "OB", "Tail ");
 }
 

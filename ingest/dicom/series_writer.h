@@ -18,7 +18,7 @@ struct ExtraElement {
   std::vector<ExtraElement> items;
 };
 
-/// Little-endian bytes of a number, for ExtraElement::value.
+/// Returns the little-endian bytes of a number, for ExtraElement::value.
 std::string us(std::uint16_t value);
 
 /// Attributes that all slices of a series share. The defaults describe a plain CT.
@@ -63,9 +63,9 @@ inline constexpr const char* kCanaryName = "Mustermann^Canary7f3a";
 /// Returns "2.25." and a random 128-bit number (DICOM PS3.5, B.2).
 std::string new_uid();
 
-/// Returns the bytes of one DICOM file. kInvalid when GDCM rejects it.
+/// Returns the bytes of one DICOM file, or kInvalid if GDCM rejects it.
 Result<std::string> write_slice(const SeriesSpec& series, const SliceSpec& slice);
-/// Writes the bytes of write_slice to a file. kUnavailable if it cannot be written.
+/// Writes the bytes of write_slice to a file. Returns kUnavailable if that fails.
 Result<void> write_slice_file(const SeriesSpec& series, const SliceSpec& slice,
                               const std::string& path);
 

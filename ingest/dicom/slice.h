@@ -37,8 +37,8 @@ struct Rescale {
 /// folder is read. They are never stored, logged or shown.
 struct Slice {
   std::size_t file = 0;        ///< index in its FileSource
-  std::size_t frame = 0;       ///< of a file with several frames
-  bool one_of_frames = false;  ///< of an enhanced file, which gives the position of each frame
+  std::size_t frame = 0;       ///< index within a file of several frames
+  bool one_of_frames = false;  ///< frame of an enhanced file, with its own position
   Kind kind = Kind::kOther;
   volume::Modality modality = volume::Modality::kOther;
   std::string patient, series_uid, sop_uid;

@@ -14,7 +14,7 @@ namespace diaphane::dicom {
 class FileSource {
  public:
   using Bytes = std::span<const std::byte>;
-  /// Whether to read the file with this index (from 0). Other files are not read.
+  /// Returns whether to read the file with this index (from 0). Other files are not read.
   using Want = std::function<bool(std::size_t index)>;
   /// Receives the bytes of one file, valid during the call. An error ends the visit and is returned
   /// by it.
@@ -30,7 +30,7 @@ class FileSource {
 /// followed. An unreadable file counts as empty.
 class FolderSource final : public FileSource {
  public:
-  /// kNotFound when `path` is not a folder that can be listed.
+  /// Lists the files. Returns kNotFound if `path` is not a folder that can be listed.
   static Result<FolderSource> open(const std::string& path, std::uint64_t largest_file);
   Result<void> visit(const Want& want, const Take& take) override;
   std::size_t size() const { return files_.size(); }

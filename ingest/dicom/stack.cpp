@@ -43,8 +43,8 @@ bool alike(double a, double b) {
   return std::abs(a - b) <= 2 * tolerance_of(std::min(a, b)) + kRounding;
 }
 
-/// Returns the distances, by rising size, that several successive slices keep. The scanner was set
-/// to these, while a hole in an even series occurs once.
+/// Returns the distances that several successive slices have in common, in ascending order. The
+/// scanner was set to these, while a hole in an even series occurs once.
 std::vector<double> main_gaps(const std::vector<double>& gaps) {
   constexpr std::size_t kSuccession = 3;
   std::vector<double> found;
@@ -75,8 +75,8 @@ std::vector<std::size_t> whole_steps(const std::vector<double>& gaps, double usu
   return steps;
 }
 
-/// Whether holes are the only irregularity, so that each slice is near its place once they are
-/// filled.
+/// Returns whether holes are the only irregularity, so that each slice is near its place once they
+/// are filled.
 bool has_holes(const std::vector<std::size_t>& steps, const std::vector<double>& gaps,
                double height) {
   const std::size_t all = std::accumulate(steps.begin(), steps.end(), std::size_t{0});
@@ -91,7 +91,7 @@ bool has_holes(const std::vector<std::size_t>& steps, const std::vector<double>&
   return true;
 }
 
-/// Case 5: an even stack with holes, which are filled if they are few and small.
+/// Case 5: fills the holes of an even stack if they are few and small, or refuses the stack.
 Stack with_holes(Stack stack, const std::vector<std::size_t>& steps, double height) {
   std::size_t all = 1, largest = 1;
   for (const std::size_t n : steps) {
@@ -118,7 +118,7 @@ Stack with_holes(Stack stack, const std::vector<std::size_t>& steps, double heig
   return stack;
 }
 
-/// Case 6: resampled at the smallest distance that counts.
+/// Case 6: resamples the stack at the smallest of its main distances.
 Stack with_varying(Stack stack, const std::vector<double>& gaps, const std::vector<double>& mains,
                    double height) {
   const auto [least, most] = std::minmax_element(gaps.begin(), gaps.end());

@@ -25,7 +25,8 @@ inline std::string counted(std::size_t n, const char* one, const char* many) {
 struct Axes {
   Vec3 row{}, column{}, normal{};
 };
-/// Returns false if the two given directions are not unit vectors at right angles.
+/// Computes the axes of a slice. Returns false unless `orientation` is two perpendicular unit
+/// vectors.
 bool make_axes(const std::array<double, 6>& orientation, Axes& axes);
 
 /// Source of a slice of the volume.

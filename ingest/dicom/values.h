@@ -13,8 +13,8 @@ namespace diaphane::dicom {
 /// Hounsfield units for missing pixels (air).
 inline constexpr std::int32_t kAirHu = -1024;
 
-/// Whether to_values supports this layout: 8 or 16 bits allocated, with the stored bits within
-/// them.
+/// Returns whether to_values supports this layout: 8 or 16 bits allocated, with the stored bits
+/// within them.
 bool is_readable(const PixelLayout& layout);
 
 /// Returns the value for padding pixels: air for CT, 0 for other modalities.
@@ -28,7 +28,7 @@ struct Values {
   std::size_t padded = 0;  ///< number of values set to air because the pixel was padding
 };
 
-/// Whether low values are to be displayed bright.
+/// Returns whether low values are to be displayed bright.
 inline bool shows_negative(const Slice& slice) { return slice.photometric == "MONOCHROME1"; }
 
 /// Converts decoded pixels (little endian, packed according to `layout`) to values:

@@ -15,7 +15,7 @@ constexpr std::uint32_t kSequenceEnd = 0xFFFEE0DD;
 constexpr std::uint32_t kModalityLookupTable = 0x00283000;
 constexpr std::uint32_t kExtendedOffsets = 0x7FE00001;
 
-/// All elements that are read (dicom/slice.h), sorted for the search.
+/// Tags of all elements that are read (dicom/slice.h), sorted for a binary search.
 constexpr std::array<std::uint32_t, 28> kNeeded{
     0x00080008, 0x00080016, 0x00080018, 0x00080060, 0x00100010, 0x00100020, 0x0020000E,
     0x00200032, 0x00200037, 0x00200052, 0x00280002, 0x00280004, 0x00280006, 0x00280008,
@@ -23,7 +23,7 @@ constexpr std::array<std::uint32_t, 28> kNeeded{
     0x00280120, 0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053, 0x00282110};
 constexpr std::uint32_t kLongestNeeded = 1024;
 
-/// Elements of functional groups that are read: each value with the group in which it counts.
+/// Elements of functional groups that are read, each with the only group in which it is read.
 constexpr std::uint32_t kSharedGroups = 0x52009229;
 constexpr std::uint32_t kFrameGroups = 0x52009230;
 struct Grouped {
@@ -39,8 +39,8 @@ constexpr std::array<Grouped, 11> kGrouped{{
     {0x00289132, 0x00281051},
     {0x00209111, 0x00209056},  // frame content: stack
     {0x00189329, 0x00089007},  // frame type, of CT
-    {0x00189226, 0x00089007},  // of MR
-    {0x00189751, 0x00089007},  // of PET
+    {0x00189226, 0x00089007},  // frame type, of MR
+    {0x00189751, 0x00089007},  // frame type, of PET
 }};
 
 /// Thrown only within this file to leave the recursion. walk() converts it to a result.
@@ -127,7 +127,7 @@ class Walker {
     return e;
   }
 
-  /// Some writers pad their files to whole blocks with zeros.
+  /// Returns whether only zeros follow, with which some writers pad their files to whole blocks.
   bool only_zeros(std::size_t end) const {
     return std::all_of(data_.begin() + static_cast<std::ptrdiff_t>(at_),
                        data_.begin() + static_cast<std::ptrdiff_t>(end),
@@ -266,7 +266,7 @@ class Walker {
     into.push_back({e.tag, at_ - e.length, at_});
   }
 
-  /// Reads the value that was just passed.
+  /// Reads the 16-bit value of the element that was just passed.
   void number(const Element& e, std::optional<std::uint16_t>& into) const {
     // Two readers could derive two different sizes from an unusual form.
     if (e.length != 2 || (explicit_ && !e.is("US"))) damaged("the size of the image is unclear");
@@ -295,7 +295,7 @@ class Walker {
   std::uint32_t elements_ = 0;
   std::uint32_t top_ = 0;    ///< top-level element that is being walked
   std::uint32_t group_ = 0;  ///< functional group within it
-  DataSet* into_;            ///< receives the elements of the current item; null: nobody wants them
+  DataSet* into_;            ///< receives the elements of the current item, or null
   Walked result_;
 };
 

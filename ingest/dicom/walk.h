@@ -33,11 +33,11 @@ struct Walked {
 
 /// An element of a data set. Compressed pixels have no value.
 struct DataElement;
-using DataSet = std::vector<DataElement>;  ///< also one item of a sequence
+using DataSet = std::vector<DataElement>;  ///< a data set, or one item of a sequence
 struct DataElement {
   std::uint32_t tag = 0;
   std::span<const std::byte> value;  ///< points into the walked data
-  std::vector<DataSet> items;        ///< of a sequence
+  std::vector<DataSet> items;        ///< items of a sequence
 };
 
 /// Checks the structure of a data set (DICOM PS3.5, 7). See precheck(). `tree`, if given, receives

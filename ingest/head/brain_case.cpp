@@ -33,8 +33,8 @@ Mask grown(const Mask& mask, int width, int height) {
   return larger;
 }
 
-/// Bone (not 0), dilated by one cell, so that sutures and the thin roof of the orbit do not count
-/// as openings.
+/// Returns a mask of bone, dilated by one cell, so that sutures and the thin roof of the orbit do
+/// not count as openings.
 Mask grown_bone(const Coarse& coarse, int z) {
   Mask bone(coarse.cells_of_level());
   const std::size_t first = coarse.at(0, 0, z);
@@ -142,14 +142,14 @@ std::optional<Brain> find_brain_case(const Coarse& coarse) {
   const auto mask = [&](int z) -> const Mask& {
     return levels[static_cast<std::size_t>(z)].enclosed;
   };
-  // From the vault down, each level may be at most one cell wider than the one above. What is
-  // enclosed beside the brain is an orbit or a mouth, and keeping that would keep the face.
+  // From the vault down, each level may be at most one cell wider than the one above. Other
+  // enclosed regions are an orbit or a mouth, and keeping these would keep the face.
   const int top = best_begin + best_count - 1;
   take(top, Mask(coarse.cells_of_level(), 1));
   for (int z = top - 1; z >= best_begin; --z) {
     take(z, grown(mask(z + 1), coarse.size[0], coarse.size[1]));
   }
-  // Adds the caps above, which are too small to be a sign of the brain.
+  // Adds the levels above, whose cross-sections are too small to count as a brain.
   for (int z = top + 1; z < coarse.size[2] && take(z, mask(z - 1)); ++z) {
   }
   for (int z = best_begin - 1; z >= 0 && take(z, mask(z + 1)); --z) {

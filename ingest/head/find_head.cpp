@@ -14,7 +14,7 @@ namespace {
 // ahead, and how far in front of the brain it passes. Chosen on the heads of docs/privacy.md.
 constexpr double kDownDegrees = 50;
 constexpr double kBeforeBrainMm = 8;
-// at the front of the face, an ellipsoid is fuller than a brain
+// No margin, because the ellipsoid of head_shape.cpp extends further forward than a brain.
 constexpr double kBeforeShapeMm = 0;
 // How far the longest axis of a brain points up from straight ahead in a head that is held upright:
 // the median of four brains without a skull (docs/privacy.md).

@@ -7,11 +7,11 @@
 namespace diaphane::ingest {
 namespace {
 
-// mm, with scalp and hair, from a small child to a large man.
+// Width and depth of a head in mm, with scalp and hair, from a small child to a large man.
 constexpr double kLeastAcross = 105, kMostAcross = 190;
 constexpr double kLeastDeep = 130, kMostDeep = 240;
 constexpr double kLeastRatio = 0.95, kMostRatio = 1.65;  // ratio of depth to width
-// share of the area of the ellipse with those axes
+// Area of a cross-section as a share of the ellipse with the same axes.
 constexpr double kLeastFilled = 0.8, kMostFilled = 1.12;
 constexpr int kLeastHeadLevels = 15;  // consecutive levels: 45 mm
 constexpr double kDomeBelow = 0.55;   // share of the largest area, near the top

@@ -8,15 +8,15 @@
 
 namespace diaphane::ingest {
 
-/// Where the brain is or must be: points that a cut has to keep, in mm in world space.
+/// Points of the brain, found or estimated, in mm in world space. A cut has to keep them.
 using Brain = std::vector<std::array<double, 3>>;
 
-/// CT: finds a closed shell of bone around soft tissue, of the size of a brain, over at least 24
-/// mm.
+/// Finds the brain in a CT: soft tissue of the size of a brain within a closed shell of bone, over
+/// at least 24 mm.
 std::optional<Brain> find_brain_case(const Coarse& coarse);
 
-/// MR and others: finds a body whose cross-sections are ellipses of the size of a head and that
-/// ends above in a dome within the image.
+/// Estimates the brain in MR and others, in a body whose cross-sections are ellipses of the size of
+/// a head and which ends above in a dome within the image.
 std::optional<Brain> find_head_shape(const Coarse& coarse);
 
 }  // namespace diaphane::ingest

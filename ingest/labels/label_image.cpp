@@ -38,14 +38,14 @@ Matrix times(const Matrix& a, const Matrix& b) {
   return out;
 }
 
-/// Returns nullopt for axes that span no space.
+/// Returns the inverse, or nullopt for a singular matrix.
 std::optional<Matrix> inverse(const Matrix& m) {
   const auto minor = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d) {
     return m[a] * m[d] - m[b] * m[c];
   };
   const double determinant =
       m[0] * minor(4, 5, 7, 8) - m[1] * minor(3, 5, 6, 8) + m[2] * minor(3, 4, 6, 7);
-  // NaN fails, too.
+  // The negated comparison also rejects NaN.
   if (!(std::abs(determinant) > 1e-12)) return std::nullopt;
   const double s = 1 / determinant;
   return Matrix{s * minor(4, 5, 7, 8), s * minor(2, 1, 8, 7), s * minor(1, 2, 4, 5),
@@ -64,8 +64,8 @@ Vec middle_of(const Matrix& axes, const std::array<std::uint32_t, 3>& size) {
   return times(axes, Vec{(size[0] - 1.0) / 2, (size[1] - 1.0) / 2, (size[2] - 1.0) / 2});
 }
 
-/// Whether a grid of voxels is the same as another, up to the order and direction of its axes.
-/// `turn` leads from the one's indices to the other's.
+/// Returns whether two grids are the same up to the order and direction of their axes. `turn` maps
+/// steps of `from` to steps of `to`.
 bool is_same_grid(const Matrix& turn, const std::array<std::uint32_t, 3>& from,
                   const std::array<std::uint32_t, 3>& to) {
   for (std::size_t row = 0; row < 3; ++row) {
@@ -80,10 +80,10 @@ bool is_same_grid(const Matrix& turn, const std::array<std::uint32_t, 3>& from,
   return true;
 }
 
-/// The places of a scan's voxels in the grid of a label image.
+/// Maps voxels of a scan to the grid of a label image.
 struct Mapping {
   Matrix turn{};  ///< from steps of the scan to steps of the image
-  Vec start{};    ///< of the scan's first voxel
+  Vec start{};    ///< position of the scan's first voxel
 };
 
 Result<Mapping> mapping_of(const LabelImage& image, const volume::Header& scan) {

@@ -24,13 +24,13 @@ struct LabelImage {
 /// Error::field of an error which says that the labels belong to another scan.
 inline constexpr const char* kOtherScan = "scan";
 
-/// Says why labels do not belong to a scan: kInvalid if both name their frame of reference and the
-/// two differ.
+/// Returns kInvalid if both the labels and the scan name their frame of reference and the two
+/// differ.
 Result<void> check_frame_of_reference(const std::string& labels, const volume::Header& scan);
 
-/// Returns the labels on the grid of the scan, by nearest neighbour. If the scan or the image does
-/// not say where it lies, both must have the same box. kInvalid: they belong to another scan
-/// (another frame of reference, another grid, or no overlap). kOutOfMemory.
+/// Returns the labels on the grid of the scan, by nearest neighbour. If the scan or the image has
+/// no position, both must have the same box. Returns kInvalid if they belong to another scan
+/// (another frame of reference, another grid, or no overlap), or kOutOfMemory.
 Result<volume::LabelSet> place_labels(LabelImage image, const volume::Header& scan);
 
 }  // namespace diaphane::ingest

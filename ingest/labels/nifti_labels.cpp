@@ -33,7 +33,7 @@ class Voxels {
   const NiftiHeader& header_;
 };
 
-/// Collects the different numbers and gives each a place in the table, in rising order.
+/// Collects the distinct numbers in the label table, in ascending order.
 template <typename T>
 Result<void> take_labels(const Voxels<T>& voxels, LabelImage& image) {
   std::map<std::uint32_t, std::uint8_t> known;
@@ -42,7 +42,7 @@ Result<void> take_labels(const Voxels<T>& voxels, LabelImage& image) {
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const double value = voxels[i];
     if (value == last) continue;
-    // NaN fails, too.
+    // The negated comparison also rejects NaN.
     if (!(value >= 0 && value <= kLargest && value == std::floor(value))) {
       return fail(
           ErrorCode::kInvalid,

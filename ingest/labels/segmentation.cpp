@@ -39,7 +39,7 @@ std::array<std::uint8_t, 3> colour_of(const std::vector<std::uint16_t>& lab) {
     return f > kLinear ? f * f * f : 3 * kLinear * kLinear * (f - 4.0 / 29);
   };
   const double x = 0.9642 * cube(fx), y = cube(fy), z = 0.8249 * cube(fz);
-  // From D50 to linear sRGB, with Bradford's adaptation to D65.
+  // Converts from D50 to linear sRGB, with Bradford's adaptation to D65.
   const std::array<double, 3> linear{3.1339 * x - 1.6169 * y - 0.4906 * z,
                                      -0.9788 * x + 1.9161 * y + 0.0335 * z,
                                      0.0719 * x - 0.2290 * y + 1.4052 * z};
@@ -142,7 +142,8 @@ class Segmentation {
     return {};
   }
 
-  /// Takes orientation and pixel size from the first frame. The others must have the same.
+  /// Takes orientation and pixel size from the first frame, and checks that the others have the
+  /// same.
   Result<void> check_same(const std::vector<double>& orientation,
                           const std::vector<double>& spacing) {
     if (frames_.empty()) {
@@ -167,7 +168,7 @@ class Segmentation {
                 "supported.");
   }
 
-  /// Returns the distance of planes: as the file says, or the least distance of two frames.
+  /// Returns the distance of planes in the file's header, or the least distance of two frames.
   double distance_of_planes(const std::vector<double>& heights) const {
     const DataSet& first = dicom::items_of(file_, kPerFrame).front();
     double least = 0;
@@ -273,9 +274,9 @@ class Segmentation {
   const LabelLimits& limits_;
   bool fractional_ = false;
   unsigned largest_ = 255;
-  std::map<std::uint16_t, std::uint8_t> places_;  ///< in the table, by the number of the segment
+  std::map<std::uint16_t, std::uint8_t> places_;  ///< place in the table, by segment number
   std::vector<Frame> frames_;
-  std::vector<std::size_t> planes_;  ///< of the frames
+  std::vector<std::size_t> planes_;  ///< plane of each frame
   std::array<double, 6> orientation_{};
   std::array<double, 2> spacing_{};
   dicom::Axes axes_;

@@ -21,11 +21,11 @@ constexpr std::uint32_t kStructureContours = 0x30060039, kColour = 0x3006002A,
                         kContours = 0x30060040, kShape = 0x30060042, kPoints = 0x30060050,
                         kReferencedNumber = 0x30060084;
 
-/// A closed contour in one plane across an axis of the scan, in voxel indices (centres of voxels
-/// are whole numbers).
+/// A closed contour in one plane perpendicular to an axis of the scan, in voxel indices (centres of
+/// voxels are whole numbers).
 struct Contour {
-  double height = 0;                           ///< along the axis across its plane
-  std::vector<std::array<double, 2>> corners;  ///< along the other two axes, in their order
+  double height = 0;                           ///< position perpendicular to its plane
+  std::vector<std::array<double, 2>> corners;  ///< positions along the other two axes, in order
 };
 
 /// What a structure set says about one structure.
@@ -54,7 +54,7 @@ class ToVoxels {
   const volume::Header& scan_;
 };
 
-/// Returns the axis across which all points of a structure's contours lie in planes, or nullopt.
+/// Returns the axis that is perpendicular to all contours of a structure, or nullopt.
 std::optional<std::size_t> axis_across(const std::vector<std::vector<Vec>>& contours) {
   for (const std::size_t axis : {std::size_t{2}, std::size_t{1}, std::size_t{0}}) {
     const auto is_flat = [axis](const std::vector<Vec>& contour) {
@@ -85,7 +85,7 @@ class Filler {
 
   /// Fills all contours of a structure. Returns whether a voxel lies in them.
   bool fill(const std::vector<std::vector<Vec>>& contours) {
-    std::map<long, std::vector<Contour>> planes;  // by height in thousandths of a voxel
+    std::map<long, std::vector<Contour>> planes;  // by height in units of 1 / kSamePlane voxels
     for (const auto& points : contours) {
       Contour contour;
       double height = 0;
@@ -107,8 +107,8 @@ class Filler {
   }
 
  private:
-  /// Returns the contours that count for a layer of voxels: those of the nearest plane, up to half
-  /// the distance of the planes beside it, and up to half a voxel beyond the first and last.
+  /// Returns the contours of the plane nearest to a layer of voxels, or null if it is further away
+  /// than half the smallest distance of planes, and than half a voxel.
   const std::vector<Contour>* nearest(const std::vector<const std::vector<Contour>*>& stack,
                                       std::uint32_t layer) const {
     const auto height = [&](std::size_t i) { return stack[i]->front().height; };
@@ -122,8 +122,8 @@ class Filler {
       // At equal distance the lower plane counts, so that each layer has one.
       if (std::abs(height(i) - layer) < std::abs(height(best) - layer) - 1e-6) best = i;
     }
-    // Contours on every second slice also stand for the slices between. Where a structure has a
-    // gap, nothing is filled in.
+    // Contours on every second slice also apply to the slices between. Larger gaps in a structure
+    // stay empty.
     constexpr double kRounding = 0.01;
     const double reach = std::max(0.5, 0.5 * least_gap) + kRounding;
     return std::abs(height(best) - layer) <= reach ? stack[best] : nullptr;

@@ -36,7 +36,7 @@ int unnamed_file(const std::string& directory) {
   const int fd = open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   const bool unknown = errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL;
   if (fd >= 0 || !unknown) return fd;
-  // the file system does not support unnamed files
+  // The file system does not support unnamed files.
   std::string name = directory + "/voxels-XXXXXX";
   const int named = mkostemp(name.data(), O_CLOEXEC);
   if (named >= 0) unlink(name.c_str());
@@ -154,13 +154,13 @@ std::uint64_t free_bytes(const std::string& directory, std::uint64_t reserve) {
 
 tl::unexpected<Error> no_room() { return fail(ErrorCode::kTooLarge, "the disk is full"); }
 
-/// Whether the child was ended by SIGKILL, which a fault of its own does not raise.
+/// Returns whether the child was ended by SIGKILL, which a fault of its own does not raise.
 bool was_killed(const ChildEnd& end) {
   return end.how == ChildEnd::How::kCrashed && end.signal == SIGKILL;
 }
 
-/// Whether the child's end allows a verdict. Otherwise sets the flag of `build` that says why not,
-/// or returns the temporary condition.
+/// Returns whether the child's end allows a verdict. Otherwise sets the flag of `build` that says
+/// why not, or returns the temporary condition.
 Result<bool> gives_verdict(const ChildEnd& end, Build& build) {
   build.stopped = end.how == ChildEnd::How::kStopped;
   build.killed = was_killed(end);
@@ -195,7 +195,8 @@ Result<bool> gives_verdict(const ChildEnd& end, Build& build) {
 
 }  // namespace
 
-/// Counts both disks, because the voxels are in the scratch directory until the volume is stored.
+/// Returns the free space of the fuller disk, because the voxels are in the scratch directory until
+/// the volume is stored.
 std::uint64_t SandboxBuilder::room_bytes() const {
   const std::uint64_t reserve = options_.reserve_mb * kMb;
   return std::min(free_bytes(options_.scratch_dir, reserve),
@@ -262,7 +263,8 @@ Result<Build> SandboxBuilder::place_labels(const LabelInput& labels,
   DIAPHANE_TRY(input);
   if (!*input) return missing;
   const std::uint64_t most = volume::most_label_set_bytes(labels.scan);
-  // Labels take far less than the most that they can, so this only keeps a full disk from filling.
+  // Labels take far less than `most` bytes, so an eighth of a byte per voxel suffices as a check
+  // against a full disk.
   if (std::min(most, labels.scan.voxel_count() / 8) > room_bytes()) return no_room();
   auto header = volume::to_json(labels.scan);
   DIAPHANE_TRY(header);
@@ -327,7 +329,7 @@ bool read_limits(const std::vector<std::string>& arguments, SandboxLimits& sandb
   sandbox.cpu_seconds = static_cast<std::uint32_t>(numbers[0]);
   sandbox.memory_bytes = numbers[1] * kMb;
   quota_bytes = numbers[2] * kMb;
-  sandbox.output_bytes = 2 * quota_bytes + kMb;  // with the largest labels
+  sandbox.output_bytes = 2 * quota_bytes + kMb;  // for voxels and the largest labels
   return true;
 }
 

@@ -31,7 +31,7 @@ struct Build {
   /// The upload's file is missing from a directory in which others were found.
   bool file_missing = false;
   double seconds = 0;
-  std::uint64_t peak_bytes = 0;  ///< of the child
+  std::uint64_t peak_bytes = 0;  ///< peak memory of the child
 };
 
 /// An upload and the limits of its volume. A volume that exceeds them is never written.
@@ -53,8 +53,8 @@ struct LabelInput {
   volume::Header scan;
 };
 
-/// Builds a volume from an upload, cuts a stored volume, or places labels on its grid, isolated
-/// from the contents of all of them.
+/// Builds a volume from an upload, cuts a stored volume, or places labels on its grid. Whatever the
+/// contents of its input, they cannot affect this process.
 class Builder {
  public:
   using ShouldContinue = std::function<bool()>;
@@ -71,14 +71,14 @@ class Builder {
                                      const ShouldContinue& should_continue) = 0;
 };
 
-/// Builds in a sandboxed child process (child.h), one per upload. A child that crashes over its
-/// input or takes too long is a refusal. Its exit codes for temporary conditions are errors, and a
-/// child that was killed or got no memory gives no verdict. Not thread-safe.
+/// Builds in a sandboxed child process (child.h), one per job. A child that crashes over its input
+/// or takes too long is a refusal. Its exit codes for temporary conditions are errors, and a child
+/// that was killed or got no memory gives no verdict. Not thread-safe.
 class SandboxBuilder final : public Builder {
  public:
   struct Options {
     std::string program;             ///< path of this program, which also runs as the child
-    std::string scratch_dir;         ///< for unnamed files with voxels
+    std::string scratch_dir;         ///< for unnamed files with voxels or labels
     std::string volume_dir;          ///< where the volume will be stored
     std::uint64_t reserve_mb = 256;  ///< space to keep free on both disks
     std::uint64_t light_mb = 0;      ///< larger volumes are left to another worker; 0: no limit
@@ -108,7 +108,7 @@ class SandboxBuilder final : public Builder {
   std::optional<DirectoryId> uploads_;  ///< where the last upload was found
 };
 
-/// Run in the child, with `arguments` as SandboxBuilder passes them.
+/// Main functions of the children. `arguments` come from SandboxBuilder. Return the exit code.
 int run_child_with(const std::vector<std::string>& arguments);
 int run_cut_child_with(const std::vector<std::string>& arguments);
 int run_label_child_with(const std::vector<std::string>& arguments);

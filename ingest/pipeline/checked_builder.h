@@ -27,13 +27,13 @@ class CheckedBuilder final : public Builder {
   Result<Build> build(const UploadInput& upload, const ShouldContinue& should_continue) override;
   Result<Build> place_labels(const LabelInput& input,
                              const ShouldContinue& should_continue) override;
-  /// Not scanned again, because the upload of the volume was scanned.
+  /// Cuts without another scan for malware, because the upload of the volume was scanned.
   Result<Build> cut(const CutInput& input, const ShouldContinue& should_continue) override {
     return inner_.cut(input, should_continue);
   }
 
  private:
-  /// Returns nullopt if `path` may be read.
+  /// Scans the file at `path`. Returns nullopt if it may be read.
   std::optional<Result<Build>> check(const std::string& path,
                                      const ShouldContinue& should_continue);
 

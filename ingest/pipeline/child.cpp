@@ -22,7 +22,7 @@ namespace diaphane::ingest {
 
 namespace {
 
-/// Returns 0, or the errno of the failure.
+/// Writes all bytes. Returns 0 or the errno of the failure.
 int write_all(int fd, const char* data, std::size_t bytes) {
   while (bytes > 0) {
     const ssize_t done = write(fd, data, bytes);
@@ -113,7 +113,7 @@ int deliver(volume::Volume& volume, const volume::Filler& filler, Verdict& verdi
   return 0;
 }
 
-/// Below this, there is no depth to show.
+/// Minimum number of slices. Fewer have too little depth to show.
 constexpr std::uint32_t kFewestSlices = 16;
 
 /// Builds a scan in a research format. Returns 0 and fills `verdict`, or returns an exit code.
@@ -141,7 +141,7 @@ int build_nifti(std::span<const std::byte> file, const dicom::ScanLimits& limits
   return deliver(*volume, {}, verdict);
 }
 
-/// Returns 0 and fills `verdict`, or returns an exit code.
+/// Builds the uploaded scan. Returns 0 and fills `verdict`, or returns an exit code.
 int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& verdict) {
   const auto refuse = [&](Verdict refusal) {
     verdict = std::move(refusal);
@@ -150,7 +150,7 @@ int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& v
   TarSource source(kChildInput, limits.file.file_bytes);
   std::optional<int> done;
   const auto first = [](std::size_t index) { return index == 0; };
-  // An error is found again by the scan.
+  // The scan below finds any error of this visit again.
   (void)source.visit(first, [&](std::size_t, std::span<const std::byte> file) -> Result<void> {
     if (is_nifti(file)) done = build_nifti(file, limits, bounds, verdict);
     return {};

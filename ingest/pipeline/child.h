@@ -18,7 +18,7 @@ inline constexpr const char* kChildWord = "build-series";
 /// Exit codes of a child that gives no verdict. The first three are as in sysexits.h. All but the
 /// last are temporary conditions, so the upload is kept.
 inline constexpr int kChildNoSandbox = 70;
-/// Below its own limit, so the machine has too little memory.
+/// An allocation failed below the child's own limit, so the machine has too little memory.
 inline constexpr int kChildNoMemory = 71;
 inline constexpr int kChildDiskFails = 74;  ///< cannot read the input or write the output
 inline constexpr int kChildNoRoom = 75;     ///< the disk is full or would become full
@@ -29,9 +29,9 @@ inline constexpr int kChildBadReport = 77;  ///< the report would exceed its lim
 /// decoded or written.
 struct BuildBounds {
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t quota_left = kNone;   ///< above it: the refusal "over_quota"
-  std::uint64_t room_bytes = kNone;   ///< above it: kChildNoRoom
-  std::uint64_t light_bytes = kNone;  ///< above it: kChildTooLarge
+  std::uint64_t quota_left = kNone;   ///< more is refused as "over_quota"
+  std::uint64_t room_bytes = kNone;   ///< more gives kChildNoRoom
+  std::uint64_t light_bytes = kNone;  ///< more gives kChildTooLarge
 };
 
 /// Sent by a child to kChildReport before it reads any of its input. JSON parsers ignore it as

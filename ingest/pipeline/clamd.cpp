@@ -125,8 +125,8 @@ std::string length_word(std::uint32_t bytes) {
   return word;
 }
 
-/// Sends `piece` with INSTREAM. Also returns kBroken when clamd ends the stream early, and then its
-/// answer is available.
+/// Sends `piece` with INSTREAM. Also returns kBroken if clamd ends the stream early, after which
+/// its answer is available.
 Step stream(Talk& talk, int fd, const Piece& piece, std::string& buffer) {
   constexpr std::string_view kCommand("zINSTREAM\0", 10);
   Step step = talk.send(kCommand);

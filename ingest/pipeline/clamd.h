@@ -40,8 +40,8 @@ class Clamd {
   explicit Clamd(Options options) : options_(std::move(options)) {}
 
   /// Scans the contents of the tar behind `fd`. Returns kStopped as soon as `should_continue`,
-  /// which is called several times per second, returns false. kUnavailable, with the reason, if
-  /// clamd cannot be used.
+  /// which is called several times per second, returns false. Returns kUnavailable with the reason
+  /// if clamd cannot be used.
   Result<Found> look_at(int fd, const ShouldContinue& should_continue) const;
 
  private:

@@ -30,7 +30,7 @@ Got read_slice(std::vector<std::int16_t>& slice) {
   return Got::kAll;
 }
 
-/// Returns 0 and fills `verdict`, or returns an exit code.
+/// Cuts the volume. Returns 0 and fills `verdict`, or returns an exit code.
 int cut(const std::string& header_text, const std::string& region_text, Verdict& verdict) {
   const auto refuse = [&](const char* code, const char* text) {
     verdict = refused(code, text);
@@ -57,7 +57,7 @@ int cut(const std::string& header_text, const std::string& region_text, Verdict&
     volume::cut_slice(*header, *region, *plan, z, from,
                       std::span(left.voxels).subspan(z * slice, slice));
   }
-  // The labels are those of what is left, because the old ones show the shape of what was removed.
+  // write_output() computes new labels, because the old ones show the shape of what was removed.
   volume::measure(left);
   if (const int exit_code = write_output(left)) return exit_code;
   verdict.ready = true;

@@ -11,7 +11,7 @@
 
 namespace diaphane::ingest {
 
-/// What to keep of a stored volume.
+/// An order to keep only a part of a stored volume.
 struct CutOrder {
   volume::Region region;
   std::string of;  ///< content hash of the volume at the time of the order
@@ -24,7 +24,7 @@ struct CutOrder {
 struct Job {
   std::string data_set_id;  ///< also the name of the volume's directory
   std::string upload_id;    ///< the file <upload-dir>/<upload_id>.tar
-  int attempts = 0;  ///< earlier attempts that failed because the machine had too little memory
+  int attempts = 0;         ///< earlier attempts that failed because memory or CPU time was short
   std::optional<CutOrder> cut;  ///< if set, there is no upload
   bool labels = false;          ///< the upload is a file of labels for a scan that is ready
   int waits = 0;                ///< number of consecutive waits, see JobStore::wait
@@ -72,30 +72,32 @@ class JobStore {
   virtual Result<std::optional<Job>> claim() = 0;
   /// Extends the lease.
   virtual Result<Hold> renew(const Job& job) = 0;
-  /// `head` is the JSON of the head finding (ingest/head). In one transaction, the data set becomes
-  /// "ready", and the job and the upload's row are deleted and its file is noted for deletion.
-  /// kOverQuota: the owner's other data sets leave no room for `bytes`, so the data set becomes
-  /// "refused" and the volume is noted for disposal.
+  /// Completes a job with a volume. `head` is the JSON of the head finding (ingest/head). In one
+  /// transaction, the data set becomes "ready", and the job and the upload's row are deleted and
+  /// its file is noted for deletion. Returns kOverQuota if the owner's other data sets leave no
+  /// room for `bytes`, so that the data set becomes "refused" and the volume is noted for disposal.
   virtual Result<Hold> finish_ready(const Job& job, const volume::Header& header,
                                     std::uint64_t bytes, const std::string& head) = 0;
-  /// Marks the data set as "refused" with a reason, and otherwise does the same as finish_ready().
+  /// Marks the data set as "refused" with a reason, and ends the job and the upload like
+  /// finish_ready().
   virtual Result<Hold> finish_refused(const Job& job, const std::string& code,
                                       const std::string& text) = 0;
   /// Announces that the kept part is about to replace the volume. From now on, the order contains
   /// the hash of the new volume and the shift of its world origin (volume/region.h, Cut::shift).
   virtual Result<Hold> note_cut(const Job& job, const std::string& content_hash,
                                 const volume::Vector& shift) = 0;
-  /// In one transaction, makes the data set "ready" again and anonymised, completes the order,
-  /// notes images of the old volume for disposal, moves presets along, and writes to the audit log.
+  /// Completes a cut. In one transaction, makes the data set "ready" again and anonymised,
+  /// completes the order, notes images of the old volume for disposal, deletes the scan's marks and
+  /// the record of its labels, moves presets along, and writes to the audit log.
   virtual Result<Hold> finish_cut(const Job& job, const volume::Header& header, std::uint64_t bytes,
                                   const std::string& head) = 0;
   /// Makes the data set "ready" unchanged, and gives its owner the reason.
   virtual Result<Hold> finish_cut_refused(const Job& job, const std::string& text) = 0;
-  /// Records that the scan has the labels of the upload, and otherwise does the same as
+  /// Records that the scan has the labels of the upload, and ends the job and the upload like
   /// finish_ready().
   virtual Result<Hold> finish_labels(const Job& job, const volume::LabelSet& labels,
                                      std::uint64_t bytes) = 0;
-  /// Gives the owner the reason why the labels were refused. The scan keeps earlier ones.
+  /// Gives the owner the reason why the labels were refused. The scan keeps its earlier labels.
   virtual Result<Hold> finish_labels_refused(const Job& job, const std::string& code,
                                              const std::string& text) = 0;
   /// Requeues the job without counting this attempt.

@@ -33,7 +33,7 @@ Verdict refusal_of(const Error& error, const volume::Header& scan) {
   }
 }
 
-/// Returns 0 and fills `verdict`, or returns an exit code.
+/// Places the labels. Returns 0 and fills `verdict`, or returns an exit code.
 int place(const std::string& header_text, Verdict& verdict) {
   auto scan = volume::from_json(header_text);
   if (!scan) {
@@ -61,7 +61,7 @@ int place(const std::string& header_text, Verdict& verdict) {
   if (const int exit_code = write_output(volume::encode(**read))) return exit_code;
   verdict.ready = true;
   verdict.header = *std::move(scan);
-  // The parent accepts only headers without what it adds itself.
+  // The parent refuses headers with these fields, because it fills them itself.
   verdict.header.content_hash.clear();
   verdict.header.label_hash.clear();
   verdict.header.frame_of_reference.clear();

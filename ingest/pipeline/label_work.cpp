@@ -43,7 +43,7 @@ void Worker::work_labels(const Job& job) {
 }
 
 void Worker::store_labels(const Job& job, const Build& build) {
-  // Only a fresh lease permits writing in the volume's directory.
+  // Only a fresh lease permits writing to the volume's directory.
   const auto fresh = insist([&] { return jobs_.renew(job); });
   if (!fresh || *fresh != Hold::kOurs) {
     if (fresh && *fresh == Hold::kDeleted) remove_original(job);

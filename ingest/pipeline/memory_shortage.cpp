@@ -26,8 +26,8 @@ namespace {
 std::optional<int> exit_code_when_short;
 
 #if DIAPHANE_OWN_NEW
-/// Whether the limit on address space refuses this many bytes. The test mapping cannot be touched,
-/// so it uses address space but no memory, and the machine does not refuse it.
+/// Returns whether the limit on address space refuses this many bytes. The test mapping cannot be
+/// touched, so it uses address space but no memory, and the machine does not refuse it.
 bool limit_refuses(std::size_t bytes) {
   // The allocator maps at least 1 MiB and rounds up.
   constexpr std::size_t kMore = std::size_t{2} << 20;

@@ -9,7 +9,7 @@ namespace diaphane::ingest {
 
 /// Returns a scene (Protobuf JSON) after the origin of its world moved, so that a point at p is at
 /// p - shift. Camera, clip, slices and lights move along, and everything locked to the camera
-/// stays. kInvalid if the text is not a scene.
+/// stays. Returns kInvalid if the text is not a scene.
 Result<std::string> moved_scene(const std::string& scene, const volume::Vector& shift);
 
 }  // namespace diaphane::ingest

@@ -57,8 +57,8 @@ std::string array_of(const std::vector<std::string>& texts) {
   return array + "}";
 }
 
-/// Bytes that the quota of $1's owner leaves for $1, counted as in `api` (lock_quota): volumes,
-/// labels, and the full length of uploads in progress. Returns no row without an owner.
+/// Selects the bytes that the quota of $1's owner leaves for $1, counted as in `api` (lock_quota):
+/// volumes, labels, and the full length of uploads in progress. No row without an owner.
 constexpr const char* kQuotaLeft = R"sql(
   SELECT GREATEST(0, o.quota_bytes - COALESCE((
            SELECT sum(COALESCE(d.volume_bytes, 0) + d.label_bytes + COALESCE(u.length, 0))
@@ -68,7 +68,7 @@ constexpr const char* kQuotaLeft = R"sql(
     FROM users o WHERE o.id = (SELECT owner_id FROM data_sets WHERE id = $1))sql";
 
 /// Leases the next job to $1 for $2 seconds. $3 is the size of the largest upload that it may take
-/// (0: any), and $4 what the names of all claimers of this process begin with.
+/// (0: any), and $4 the common prefix of the names of all claimers of this process.
 ///
 /// A suspect was interrupted more than once. After ten minutes it is overdue, and no other job is
 /// claimed before it.
@@ -149,7 +149,7 @@ struct PostgresJobs::Impl {
   std::int64_t light_bytes;
   SocketDeadlines deadlines{};  ///< outlives the connection
   std::unique_ptr<pqxx::connection> connection{};
-  std::string last_state{};  ///< of the last SQL error, so that a repeated error is logged once
+  std::string last_state{};  ///< SQLSTATE of the last error, to log a repeated one only once
 
   pqxx::connection& connected() {
     if (connection) return *connection;

@@ -19,7 +19,7 @@ class PostgresJobs final : public JobStore {
     std::chrono::milliseconds lease{5000};
     /// Claims only jobs whose uploads, or volumes to cut, are at most this large. 0: all jobs.
     std::uint64_t light_bytes = 0;
-    /// For a job that was interrupted twice. Doubled each further time.
+    /// Pause of a job that was interrupted twice, doubled with each further interruption.
     std::chrono::milliseconds first_pause{1000};
     std::chrono::milliseconds longest_pause{600000};
   };

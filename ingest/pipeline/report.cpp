@@ -27,7 +27,7 @@ bool is_sentence(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
 }
 
-/// Whether a text is empty or a UID of DICOM.
+/// Returns whether a text is empty or a DICOM UID.
 bool is_uid(std::string_view text) {
   return text.size() <= 64 && text.find_first_not_of("0123456789.") == std::string_view::npos;
 }
@@ -52,7 +52,7 @@ Verdict over_quota(std::uint64_t bytes, std::uint64_t left) {
 
 std::string write_report(const Verdict& verdict) {
   if (!verdict.ready) return json{{"code", verdict.code}, {"text", verdict.text}}.dump();
-  // Files are careless with what only labels need, so it is left out rather than refused.
+  // Only labels need these fields, which are often malformed, so they are dropped and not refused.
   volume::Header clean = verdict.header;
   if (!is_uid(clean.frame_of_reference)) clean.frame_of_reference.clear();
   if (clean.origin && !std::all_of(clean.origin->begin(), clean.origin->end(),

@@ -8,7 +8,7 @@
 
 namespace diaphane::ingest {
 
-/// The outcome of an upload, in a form that can be shown and stored.
+/// The outcome of a job, in a form that can be shown and stored.
 struct Verdict {
   bool ready = false;
   volume::Header header;  ///< valid with `ready`
@@ -18,14 +18,14 @@ struct Verdict {
 };
 
 Verdict refused(std::string code, std::string text);
-/// Refuses a volume of `bytes` when the owner's quota leaves only `left`.
+/// Returns the refusal of a volume of `bytes` for which the owner's quota leaves only `left`.
 Verdict over_quota(std::uint64_t bytes, std::uint64_t left);
 
 /// Serialises a child's verdict for its parent.
 std::string write_report(const Verdict& verdict);
 /// Parses the report in the parent. The child may be compromised by its input, so the header must
-/// pass the checks of volume/, and codes and sentences must have the expected form. kInvalid for
-/// anything else.
+/// pass the checks of volume/, and codes and sentences must have the expected form. Returns
+/// kInvalid for anything else.
 Result<Verdict> read_report(const std::string& report);
 
 }  // namespace diaphane::ingest

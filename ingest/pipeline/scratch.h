@@ -9,7 +9,7 @@ namespace diaphane::ingest {
 /// number. Such files have a name, briefly, only on file systems without unnamed files.
 std::size_t sweep_scratch(const std::string& directory);
 
-/// Whether a file can be created in `directory`.
+/// Returns whether a file can be created in `directory`.
 bool can_write(const std::string& directory);
 
 }  // namespace diaphane::ingest

@@ -80,7 +80,7 @@ Result<void> TarSource::visit(const Want& want, const Take& take) {
     if (size < 0 || size > length || archive_entry_sparse_count(entry) > 0) return broken();
     const auto file_bytes = static_cast<std::uint64_t>(size);
     const std::uint64_t read_bytes = file_bytes > largest_file_ ? kBeginning : file_bytes;
-    // frees the old buffer before the new one is allocated
+    // Frees the old buffer before the new one is allocated.
     if (read_bytes > bytes.capacity()) bytes = {};
     bytes.resize(read_bytes);
     if (archive_read_data(in.get(), bytes.data(), bytes.size()) !=

@@ -80,7 +80,7 @@ void Worker::pause(std::chrono::milliseconds span) {
   }
 }
 
-/// Whether a stop was requested and the grace period of the current build is over.
+/// Returns whether a stop was requested and the grace period of the current build is over.
 bool Worker::stop_is_due() {
   if (!stopping_) return false;
   if (stop_requested_ == SteadyTime{}) stop_requested_ = Clock::now();
@@ -120,7 +120,7 @@ Builder::ShouldContinue Worker::keep_going(const Job& job, Hold& hold) {
 }
 
 void Worker::work(const Job& job) {
-  // Should never happen, but file paths contain these IDs.
+  // Malformed IDs should never occur, but they would become part of file paths.
   if (!is_id(job.data_set_id) || (!job.cut && !is_id(job.upload_id))) return;
   try {
     if (job.cut) return work_cut(job);
@@ -182,8 +182,8 @@ void Worker::wait(const Job& job, WaitReason reason, const std::string& why, boo
   (void)insist([&] { return jobs_.wait(job, reason, pause, count_attempt); });
 }
 
-/// Memory or CPU time was short, or the child was killed. The upload is not to blame but may be the
-/// cause, so the attempts are limited.
+/// Waits after memory or CPU time was short or the child was killed. The upload may be the cause,
+/// so the attempt counts towards a limit.
 void Worker::retry(const Job& job, const Build& build) {
   if (build.delayed) {
     return wait(job, WaitReason::kService, "the machine was too busy to finish in time", true);
@@ -194,7 +194,7 @@ void Worker::retry(const Job& job, const Build& build) {
        true);
 }
 
-/// The file is missing, but a replaced or restored disk may still bring it back.
+/// Waits for a missing file, which a replaced or restored disk may bring back, up to a limit.
 void Worker::wait_for_file(const Job& job) {
   if (job.waits < options_.most_waits_for_file) {
     return wait(job, WaitReason::kService, "the upload's file is missing", false);
@@ -209,7 +209,7 @@ void Worker::finish(const Job& job, Build& build) {
   Verdict& verdict = build.verdict;
   const std::uint64_t bytes = build.volume.voxels.size() * sizeof(std::int16_t);
   if (verdict.ready) {
-    // Only a fresh lease permits writing the volume's directory.
+    // Only a fresh lease permits writing to the volume's directory.
     const auto fresh = insist([&] { return jobs_.renew(job); });
     if (!fresh || *fresh != Hold::kOurs) {
       if (fresh && *fresh == Hold::kDeleted) remove_original(job);
@@ -247,7 +247,7 @@ void Worker::finish(const Job& job, Build& build) {
 Result<void> Worker::store(const Job& job, volume::Volume& volume) {
   auto written = volume::write(volume, volume_path(job));
   if (written || written.error().code != ErrorCode::kConflict) return written;
-  // Left by a claimer that was killed between storing and reporting. The volume is not ready, so
+  // A claimer that was killed between storing and reporting left this volume. It is not ready, so
   // nothing reads it.
   std::error_code error;
   fs::remove_all(volume_path(job), error);

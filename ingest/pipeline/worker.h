@@ -22,12 +22,13 @@ struct WorkerEvents {
   std::function<void(bool)> postgres = [](bool) {};
 };
 
-/// Processes one job after another: builds it, stores the volume or the reason for a refusal, and
-/// then removes the original. A temporary condition (a full disk, too little memory, an unavailable
-/// service) ends no job. The original stays, and the job waits, longer each time, and is tried
-/// again without counting an attempt. Only conditions that the upload itself may cause are limited:
-/// attempts for which the machine had too little memory, and waits for a missing file. While
-/// Postgres is unavailable, the worker keeps the result until it can report it.
+/// Processes one job after another: builds a volume, places labels or cuts a volume, stores the
+/// result or the reason for a refusal, and then removes the upload. A temporary condition (a full
+/// disk, too little memory, an unavailable service) ends no job. The upload stays, and the job
+/// waits, longer each time, and is tried again without counting an attempt. Only conditions that
+/// the upload itself may cause are limited: attempts for which memory or CPU time was short, and
+/// waits for a missing file. While Postgres is unavailable, the worker keeps the result until it
+/// can report it.
 class Worker {
  public:
   struct Options {
@@ -37,9 +38,9 @@ class Worker {
     std::chrono::milliseconds renew{1500};
     /// How long a build may continue after a stop was requested.
     std::chrono::milliseconds drain{1500};
-    int most_attempts = 12;  ///< attempts for which the machine had too little memory
+    int most_attempts = 12;  ///< attempts for which memory or CPU time was short
     int most_waits_for_file = 12;
-    std::chrono::milliseconds first_pause{1000};  ///< of a waiting job; doubled each time
+    std::chrono::milliseconds first_pause{1000};  ///< pause of a waiting job; doubled each time
     std::chrono::milliseconds longest_pause{60000};
     std::chrono::milliseconds longest_pause_for_memory{600000};
   };
@@ -54,8 +55,8 @@ class Worker {
   void stop() { stopping_ = true; }
   /// Returns the pause of a job after this number of consecutive waits.
   static std::chrono::milliseconds pause_after(int waits, const Options& options);
-  /// Returns the pause of a job after this number of attempts for which the machine had too little
-  /// memory.
+  /// Returns the pause of a job after this number of attempts for which memory or CPU time was
+  /// short.
   static std::chrono::milliseconds pause_for_memory(int attempts, const Options& options);
 
  private:
@@ -70,8 +71,8 @@ class Worker {
   void work_cut(const Job& job);
   void finish_cut(const Job& job, const volume::Volume& volume);
   void refuse_cut(const Job& job, const std::string& text);
-  /// Returns a callback that tells whether work on a job should continue and renews its lease
-  /// periodically.
+  /// Returns a callback that renews the job's lease periodically and returns whether work on it
+  /// should continue.
   Builder::ShouldContinue keep_going(const Job& job, Hold& hold);
   Result<void> store(const Job& job, volume::Volume& volume);
   void give_back(const Job& job);
@@ -84,7 +85,7 @@ class Worker {
   void note_postgres(bool available);
   void pause(std::chrono::milliseconds span);
   bool stop_is_due();
-  /// Retries until Postgres answers or a stop is requested.
+  /// Retries `ask` until Postgres answers, or until the grace period after a stop request is over.
   template <typename Ask>
   auto insist(Ask ask) -> decltype(ask());
   std::string upload_path(const Job& job) const;

@@ -69,7 +69,7 @@ const char* name_of(const Action& action) { return std::visit(NameOf{}, action);
 
 struct ActionExecutor::ExecutionContext {
   const Snapshot& snapshot;
-  std::string version;  ///< after a write of this context
+  std::string version;  ///< resourceVersion after the last write, or empty
 
   Target target(const std::string& name, const std::string& uid, const std::string& at) const {
     return {name, uid, version.empty() ? at : version};

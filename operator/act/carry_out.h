@@ -25,8 +25,8 @@ class ActionExecutor {
   ActionExecutor(Options options, kube::Api& api, Events& events)
       : options_(std::move(options)), api_(api), events_(events) {}
 
-  /// Executes the actions on one object in order, up to the first failure. kConflict: the object
-  /// changed or already exists, and its current state was read.
+  /// Executes the actions on one object in order, up to the first failure. Returns kConflict if the
+  /// object has changed, already exists or no longer exists, so that a new plan must decide.
   Result<void> carry_out(const std::vector<const Action*>& actions, const Snapshot& snapshot);
 
  private:

@@ -80,7 +80,7 @@ Json pod_object(const CreatePod& action, const std::string& fleet, const Labels&
   set_environment(container, "DIAPHANE_OWNER", owner_text(fleet, action.worker_uid, action.epoch));
   set_environment(container, "DIAPHANE_WORKER_ID", action.worker);
   Json& spec = pods["spec"];
-  // Node affinity leaves the decision to the scheduler, which rejects pods that do not fit.
+  // Node affinity leaves the binding to the scheduler, which rejects pods that do not fit.
   const Json node_term = {
       {"matchFields", {{{"key", "metadata.name"}, {"operator", "In"}, {"values", {action.node}}}}}};
   spec["affinity"]["nodeAffinity"]["requiredDuringSchedulingIgnoredDuringExecution"] = {

@@ -10,7 +10,7 @@ namespace diaphane::fleet {
 
 using Json = nlohmann::json;
 
-/// What identifies an object in server-side apply and in conditional writes.
+/// Identifies an object in server-side apply and in conditional writes.
 struct Target {
   std::string name, uid, version;
 };

@@ -25,8 +25,8 @@ struct RetireStep {
   Json object;
 };
 
-/// Returns the next steps. `in_time`: the operator may still drain the fleet. No steps while
-/// something is left: wait.
+/// Returns the next steps. If `in_time`, the operator may still drain the fleet. If there are no
+/// steps but something is left, the caller waits.
 std::vector<RetireStep> retire_steps(const Remains& left, bool in_time);
 
 struct RetireOptions {
@@ -37,8 +37,8 @@ struct RetireOptions {
   std::function<void()> pause;  ///< waits between two polls
 };
 
-/// Returns when neither the fleet nor any of its workers is left. Fails with kForbidden or
-/// kUnauthenticated, which cannot recover, and retries all other errors.
+/// Deletes the fleet, and returns when neither it nor any of its workers is left. Fails with
+/// kForbidden or kUnauthenticated, which cannot recover, and retries all other errors.
 Result<void> retire(kube::Api& api, const RetireOptions& options);
 
 }  // namespace diaphane::fleet

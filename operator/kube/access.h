@@ -18,8 +18,8 @@ struct Access {
   std::string name_space;
 };
 
-/// Reads the access of a pod (KUBERNETES_SERVICE_HOST and the mounted service account).
-/// kUnavailable: not running in a pod.
+/// Reads the access of a pod (KUBERNETES_SERVICE_HOST and the mounted service account). Returns
+/// kUnavailable outside of a pod.
 Result<Access> access_of_pod(const std::map<std::string, std::string>& environment,
                              const std::string& account_dir);
 
@@ -32,7 +32,7 @@ class Token {
   /// Returns the token, or an empty string if there is none. If the file is temporarily unreadable,
   /// returns the previous token.
   std::string at(Time now);
-  /// The server rejected the token, so the next call rereads the file.
+  /// Records that the server rejected the token, so that the next call rereads the file.
   void refused();
 
  private:

@@ -18,9 +18,10 @@ struct Precondition {
 /// The verbs of the Kubernetes API, with objects as JSON. The `field` of an error is the reason
 /// that the API gave ("AlreadyExists", "Conflict", "Forbidden", ...).
 ///
-/// kConflict: the object already exists, or it has changed. kNotFound: it does not exist.
-/// kUnauthenticated and kForbidden: the operator may not do this. kInvalid and kTooLarge: the
-/// object was rejected. kTooMany and kUnavailable: try again later. Thread-safe.
+/// Calls return kConflict if the object already exists or has changed, kNotFound if it does not
+/// exist, kUnauthenticated or kForbidden if the operator lacks the permission, kInvalid or
+/// kTooLarge if the object was rejected, and kTooMany or kUnavailable if a retry may help.
+/// Thread-safe.
 class Api {
  public:
   using Json = nlohmann::json;
@@ -47,7 +48,7 @@ class Api {
   const std::string manager_;
 };
 
-/// Converts a Status object that came with HTTP status `status`.
+/// Converts a Status object that came with HTTP status `status` to an error.
 Error error_of(int status, const nlohmann::json& body);
 
 /// Formats and parses RFC 3339 in UTC with microseconds. time_of returns nullopt for invalid text.

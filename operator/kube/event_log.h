@@ -11,7 +11,7 @@ namespace diaphane::kube {
 
 /// An event of an object, as shown by `kubectl describe`.
 struct Happened {
-  std::string kind, name, uid;  ///< of the object
+  std::string kind, name, uid;  ///< the object of the event
   std::string reason;           ///< CamelCase, from a small set
   std::string message;
   bool warning = false;
@@ -29,12 +29,12 @@ class EventLog {
   static constexpr int kBurst = 25;
 
   struct Write {
-    std::string name;  ///< of the Event
+    std::string name;  ///< name of the Event
     int count = 1;     ///< 1: create the Event; more: update its count
   };
   /// `run` is part of the Events' names, so that they differ between runs.
   explicit EventLog(std::string run) : run_(std::move(run)) {}
-  /// Returns nullopt if the event is only counted for now.
+  /// Records an event. Returns nullopt if it is only counted for now.
   std::optional<Write> note(const Happened& what, Time now);
   std::size_t remembered() const { return written_.size(); }
 

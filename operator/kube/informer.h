@@ -33,7 +33,7 @@ class Reflector {
     virtual void event(const WatchEvent& event) = 0;
   };
   struct Options {
-    std::string path;      ///< of the collection
+    std::string path;      ///< path of the collection
     std::string selector;  ///< encoded query, or empty
     std::string kind;      ///< name in logs and metrics
     std::string home;      ///< namespace whose objects are named without a prefix, see key_of
@@ -49,13 +49,13 @@ class Reflector {
     std::atomic<std::uint64_t> lists{0}, watches{0}, failures{0}, expired{0}, silent{0}, events{0};
   };
 
+  /// Starts the thread. Destruction waits for it, so the transport must be stopped before.
   Reflector(Options options, Transport& transport, Sink& sink);
-  /// Returns immediately once the transport is stopped.
 
   const Counts& counts() const { return counts_; }
   const std::string& kind() const { return options_.kind; }
   const std::string& home() const { return options_.home; }
-  /// Whether the last list or watch succeeded.
+  /// Returns whether the last list or watch succeeded.
   bool connected() const { return connected_; }
 
  private:

@@ -29,8 +29,8 @@ class Leader {
   Leader(const Leader&) = delete;
   Leader& operator=(const Leader&) = delete;
 
-  /// To be checked before each write, because a process that was suspended may have lost the lease
-  /// before its thread notices.
+  /// Returns whether this process leads. Check it before each write, because a process that was
+  /// suspended may have lost the lease before its thread notices.
   bool leads() const;
 
  private:

@@ -46,7 +46,7 @@ class LeaseDecision {
   void written(const LeaseRecord& record, Time begun);
 
   Step step(Time now) const;
-  /// Time until the next step. `random` in [0, 1).
+  /// Returns the time until the next step. `random` is in [0, 1).
   std::chrono::milliseconds pause(double random) const;
   bool leads(Time now) const { return leading_ && now - renewed_ < options_.renew_deadline; }
   bool has_led() const { return leading_; }

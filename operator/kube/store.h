@@ -30,7 +30,8 @@ class Store {
     listed_ = true;
     ++revision_;
   }
-  /// Returns whether anything but the version changed. So do deleted() and apply_own_write().
+  /// Stores an object. Like deleted() and apply_own_write(), returns whether more than the version
+  /// changed.
   bool changed(T object) {
     const std::lock_guard lock(mutex_);
     version_ = object.version;
@@ -105,7 +106,7 @@ class Store {
   mutable std::mutex mutex_;
   std::map<std::string, T> objects_;
   std::string version_;
-  std::uint64_t revision_ = 1;  ///< of the contents; increases
+  std::uint64_t revision_ = 1;  ///< increases with each change of the contents
   bool listed_ = false;
 };
 

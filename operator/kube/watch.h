@@ -16,7 +16,8 @@ struct WatchEvent {
 /// Splits the bytes of a watch into events, one JSON object per line.
 class WatchReader {
  public:
-  /// Returns kError for an invalid line. The rest of the stream is unusable.
+  /// Returns the events that `bytes` completes. After kError (an invalid line), the rest is
+  /// unusable.
   std::vector<WatchEvent> feed(std::string_view bytes);
 
  private:
@@ -26,8 +27,8 @@ class WatchReader {
 
 WatchEvent read_event(std::string_view line);
 
-/// Whether the answer to a list or watch says that the known version is too old, or too new for a
-/// server that lags behind. Then everything must be listed again. `body` is a Status.
+/// Returns whether the answer to a list or watch says that the known version is too old, or too new
+/// for a server that lags behind, so that everything must be listed again. `body` is a Status.
 bool must_list_again(int status, const nlohmann::json& body);
 
 /// Compares resource versions, which are increasing numbers of any length (KEP-5504). Returns a

@@ -19,7 +19,8 @@ class WorkQueue {
 
   /// Makes the key due at `due`, which replaces an earlier time. A key that failed keeps its pause.
   void put(const std::string& key, Time due);
-  /// The key that has been due for longest. The caller must then call done(), failed() or both.
+  /// Returns the key that has been due for longest. The caller must then call done(), failed() or
+  /// both.
   std::optional<std::string> take(Time now);
   /// Marks a key as no longer taken. It is returned again if it was added meanwhile.
   void done(const std::string& key);

@@ -18,7 +18,7 @@ namespace diaphane::fleet {
 using Json = nlohmann::json;
 using Template = std::shared_ptr<const Json>;
 
-/// Whether an object with this metadata has this operator's finalizer.
+/// Returns whether an object with this metadata has this operator's finalizer.
 bool has_finalizer(const Json& metadata);
 
 struct FleetObject {
@@ -30,9 +30,8 @@ struct FleetObject {
 struct WorkerObject {
   std::string name, uid, version;
   Worker worker;
-  /// The template that the worker was created with. Its fleet may have another one by now. Empty if
-  /// it does not match its hash, because the API server does not check it and it may have been
-  /// edited.
+  /// The template that the worker was created with, which its fleet may have replaced. Empty if it
+  /// does not match its hash, because the API server does not check it and it may have been edited.
   Template pods;
   bool operator==(const WorkerObject&) const = default;
 };
@@ -40,7 +39,7 @@ struct PodObject {
   std::string name, uid, version;
   Pod pod;
   bool ours = false;  ///< has Diaphane's label or is owned by a RenderWorker
-  int gpus = 0;       ///< number that it uses on `pod.node` if no RenderWorker owns it
+  int gpus = 0;       ///< GPUs that it uses on `pod.node` if no RenderWorker owns it
   bool operator==(const PodObject&) const = default;
 };
 struct NodeObject {
@@ -49,7 +48,7 @@ struct NodeObject {
   bool operator==(const NodeObject&) const = default;
 };
 
-/// Whether two objects differ only in their version.
+/// Returns whether two objects differ only in their version.
 bool equal_except_version(FleetObject a, const FleetObject& b);
 bool equal_except_version(WorkerObject a, const WorkerObject& b);
 bool equal_except_version(PodObject a, const PodObject& b);

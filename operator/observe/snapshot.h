@@ -10,7 +10,7 @@ namespace diaphane::fleet {
 /// The input of the plan, and the data that only the execution of its actions needs.
 struct Snapshot {
   ClusterState world;
-  std::unordered_map<std::string, Template> pods_of;  ///< by uid of the fleet or RenderWorker
+  std::unordered_map<std::string, Template> pods_of;  ///< key: uid of the fleet or RenderWorker
   std::unordered_map<std::string, int> index;  ///< index in world.workers by uid of a RenderWorker
 };
 

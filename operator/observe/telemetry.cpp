@@ -10,7 +10,7 @@
 namespace diaphane::fleet {
 namespace {
 
-/// More pages than any real number of workers has.
+/// Bounds a scan that does not end. No real number of workers fills this many pages.
 constexpr int kMostPages = 100'000;
 
 struct OwnerText {
@@ -86,7 +86,7 @@ void TelemetryCache::fill(ClusterState& world) {
   const std::lock_guard lock(mutex_);
   std::unordered_set<std::string_view> existing(world.workers.size());
   for (const Worker& worker : world.workers) existing.insert(worker.uid);
-  // If a list omits a worker once, its next sample arrives within a second.
+  // A worker that a list omits once is added again by its next sample within a second.
   std::erase_if(samples_, [&](const auto& one) { return !existing.contains(one.first); });
   // Assigns in place to reuse the memory of the elements.
   std::size_t count = 0;

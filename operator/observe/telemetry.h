@@ -33,7 +33,7 @@ class TelemetryReader {
   void add_worker(const directory::WorkerReport& report, Seconds now);
 
   Reading reading_;
-  std::unordered_set<std::string> seen_;  ///< owners
+  std::unordered_set<std::string> seen_;  ///< owners of the workers added so far
 };
 
 /// The last sample of each pod, also kept after its heartbeat stops. Thread-safe.

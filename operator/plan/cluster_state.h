@@ -48,10 +48,10 @@ struct FleetSpec {
   Seconds drain_timeout = 300;  ///< grace period of sessions from the start of the drain
   int min_replicas = 0;
   int max_replicas = 1 << 20;
-  std::optional<int> replicas;  ///< set by the scale subresource: this number, regardless of demand
+  std::optional<int> replicas;  ///< number set by the scale subresource, regardless of demand
   Labels node_selector;
   std::vector<Toleration> tolerations;
-  std::string template_hash;  ///< of the pod template
+  std::string template_hash;  ///< hash of the pod template
   bool operator==(const FleetSpec&) const = default;
 };
 
@@ -59,7 +59,7 @@ struct FleetSpec {
 struct NodeBackoff {
   std::string node;
   int count = 0;      ///< refusals, each after the pause of the previous one
-  Seconds since = 0;  ///< of the last refusal
+  Seconds since = 0;  ///< time of the last refusal
   bool operator==(const NodeBackoff&) const = default;
 };
 
@@ -98,8 +98,9 @@ enum class DrainReason {
   kFailing
 };
 
-/// Never unset, because a draining worker never accepts sessions again. A decision by an operator
-/// that has lost its lease is therefore late, but not wrong.
+/// A decision to drain a worker. It is never unset, because a draining worker never accepts
+/// sessions again. A decision by an operator that has lost its lease is therefore late, but not
+/// wrong.
 struct Drain {
   DrainReason reason = DrainReason::kDeleted;
   Seconds since = 0;
@@ -108,10 +109,10 @@ struct Drain {
 
 struct WorkerStatus {
   std::int64_t observed_generation = 0;
-  std::int64_t epoch = 0;  ///< of its last pod; counts the pods created
+  std::int64_t epoch = 0;  ///< epoch of its last pod, which counts the pods created
   int failures = 0;        ///< pods that ended since the last one that was ready for two minutes
   std::string failed_pod;  ///< uid of the last failed pod, so that it is counted once
-  Seconds failed_at = 0;   ///< when that failure was observed
+  Seconds failed_at = 0;   ///< time at which that failure was observed
   std::vector<Condition> conditions;
   bool operator==(const WorkerStatus&) const = default;
 };
@@ -159,7 +160,7 @@ struct Taint {
 struct Node {
   std::string name;
   int gpus = 0;  ///< allocatable nvidia.com/gpu
-  /// Used by pods that no RenderWorker owns, with or without Diaphane's label.
+  /// GPUs used by pods that no RenderWorker owns, with or without Diaphane's label.
   int foreign_gpus = 0;
   Labels labels;
   std::vector<Taint> taints;
@@ -171,7 +172,7 @@ struct Node {
 /// The last sample that a pod sent, kept until the next one.
 struct Telemetry {
   std::string worker_uid;
-  std::int64_t epoch = 0;  ///< of the pod
+  std::int64_t epoch = 0;  ///< epoch of the pod
   Seconds sampled = 0;
   double busy = 0;    ///< share of the device's time, 0 to 1
   double memory = 0;  ///< used share of the memory for loaded volumes, 0 to 1
@@ -180,7 +181,7 @@ struct Telemetry {
   int slots = 0;
   double error = 0;  ///< summed over the pictures of all sessions
   bool draining = false;
-  /// Since when it has had no sessions or reservations; meaningful while it has none.
+  /// Time since which it has had no sessions or reservations; meaningful while it has none.
   Seconds idle_since = 0;
 };
 
@@ -190,7 +191,7 @@ struct Demand {
   int used = 0;
   int reserved = 0;
   int refused = 0;        ///< requests in the last seconds that found no free slot
-  Seconds last_used = 0;  ///< when a slot was last used or requested
+  Seconds last_used = 0;  ///< time at which a slot was last used or requested
   Seconds sampled = 0;
 };
 

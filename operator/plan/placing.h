@@ -8,7 +8,7 @@
 #include "operator/plan/random.h"
 #include "operator/plan/view.h"
 
-// Chooses a node for a worker, or a worker for a session.
+// Chooses nodes for the workers of a fleet.
 
 namespace diaphane::fleet {
 
@@ -42,7 +42,7 @@ class Placing {
   bool room() const;
   /// Explains the result: "0 of 12 nodes have room: 3 cordoned, 9 full".
   std::string why() const;
-  /// When the next refused node may be tried again.
+  /// Returns when the next refused node may be tried again.
   std::optional<Seconds> again() const { return again_; }
 
  private:

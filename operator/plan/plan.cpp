@@ -39,7 +39,8 @@ Plan plan(const ClusterState& world, std::uint64_t seed) {
     if (worker.fleet) plan_worker_status(worker, builder);
   }
   if (!world.fleets.empty() || !world.workers.empty()) builder.wake(world.now + kLookAgain);
-  // Actions that release or record something come before actions that reserve.
+  // Sorts by the order of Action, in which actions that release something precede those that
+  // reserve.
   std::stable_sort(builder.plan.actions.begin(), builder.plan.actions.end(),
                    [](const Action& a, const Action& b) { return a.index() < b.index(); });
   return std::move(builder.plan);

@@ -18,15 +18,15 @@ namespace diaphane::fleet {
 
 enum class Kind { kFleet, kWorker, kPod };
 
-/// Fails with AlreadyExists if another operator was faster. The name is the lowest free number of
-/// the fleet, so that one need never creates two workers.
+/// Creates a worker. Fails with AlreadyExists if another operator was faster: the name is the
+/// lowest free number of the fleet, so one need never creates two workers.
 struct CreateWorker {
   std::string name, fleet, fleet_uid, node, template_hash;
   bool operator==(const CreateWorker&) const = default;
 };
 
-/// The pod has the worker's name and owner uid, so that there is at most one, and is bound to the
-/// node by affinity. It reports its epoch with its telemetry.
+/// Creates the pod of a worker with the worker's name and owner uid, so that there is at most one,
+/// and binds it to the node by affinity. The pod reports its epoch with its telemetry.
 struct CreatePod {
   std::string worker, worker_uid, node, template_hash;
   std::int64_t epoch = 0;
@@ -39,13 +39,13 @@ struct SetDrain {
   bool operator==(const SetDrain&) const = default;
 };
 
-/// Kubernetes' garbage collector removes the pods of a node that no longer exists.
+/// Deletes a pod whose node exists. Kubernetes' garbage collector removes the pods of other nodes.
 struct DeletePod {
   std::string name, uid;
   bool operator==(const DeletePod&) const = default;
 };
 
-/// The resource remains until its finalizer is removed.
+/// Deletes a worker, whose resource remains until its finalizer is removed.
 struct DeleteWorker {
   std::string name, uid;
   bool operator==(const DeleteWorker&) const = default;
@@ -84,14 +84,15 @@ struct Plan {
   std::optional<Seconds> requeue_after;
 };
 
-/// Empty until the world is complete. The same world and seed give the same plan.
+/// Returns the next actions, or none until the world is complete. Depends only on `world` and
+/// `seed`.
 Plan plan(const ClusterState& world, std::uint64_t seed);
 
 /// Maximum age of a worker's heartbeat, and of its telemetry.
 inline constexpr Seconds kHeartbeat = directory::kHeartbeatMs / 1000.0;
-inline constexpr Seconds kFresh = 10;  ///< older: only counts are used
+inline constexpr Seconds kFresh = 10;  ///< of older telemetry, only counts are used
 /// An object that is missing in one read may still exist, so its absence counts after this long.
 inline constexpr Seconds kConfirmed = 5;
-inline constexpr Seconds kExcluded = 60;  ///< older: no new worker on the node
+inline constexpr Seconds kExcluded = 60;  ///< with older telemetry, the node gets no new worker
 
 }  // namespace diaphane::fleet

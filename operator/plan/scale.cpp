@@ -9,10 +9,10 @@
 namespace diaphane::fleet {
 namespace {
 
-/// How many outdated workers of a fleet may be replaced at the same time.
+/// Returns how many outdated workers of a fleet may be replaced at the same time.
 int surge_of(int desired) { return std::max(1, desired / 10); }
 
-/// Whether a worker's slots count, because it accepts sessions or soon will.
+/// Returns whether a worker's slots count, because it accepts sessions or soon will.
 bool counts(const WorkerView& view) {
   if (view.health == Health::kReady) return true;
   // A worker whose pods failed repeatedly may never start.
@@ -23,10 +23,10 @@ int sessions_on(const WorkerView& view) {
   return view.telemetry ? view.telemetry->sessions + view.telemetry->reserved : 0;
 }
 
-/// Whether the worker has had no sessions for `since` seconds.
+/// Returns whether the worker has had no sessions for `since` seconds.
 bool idle(const WorkerView& view, Seconds now, Seconds since) {
   const Telemetry* sample = view.telemetry;
-  // Not running yet, or no longer, and not merely missing from one read.
+  // A worker without a running pod is idle, unless a recent sample shows that one read was wrong.
   if (!view.pod || view.health == Health::kComing) {
     return !sample || now - sample->sampled > kFresh;
   }
@@ -34,7 +34,7 @@ bool idle(const WorkerView& view, Seconds now, Seconds since) {
          now - sample->idle_since >= since;
 }
 
-/// Sorts the workers whose loss costs least to the front.
+/// Sorts the workers to drain first to the front: those whose loss costs least.
 void sort_to_drain(std::vector<const WorkerView*>& workers, const FleetSpec& spec,
                    const std::vector<NodeView>& nodes) {
   struct Key {
@@ -197,7 +197,7 @@ DesiredReplicas desired_replicas(const FleetSpec& spec, const Demand* demand, in
       now - demand->last_used >= *spec.scale_to_zero_after) {
     return {bounded(0), bounded(0)};
   }
-  // Keep one spare slot, so that the last one is never handed out, and at least one worker unless
+  // Keeps one spare slot, so that the last one is never handed out, and at least one worker unless
   // scale-to-zero applies.
   const double slots = busy + std::max(spec.min_idle_slots, 1);
   const double each = std::max(spec.sessions_per_worker, 1);

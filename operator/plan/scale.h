@@ -4,7 +4,7 @@
 
 #include "operator/plan/cluster_state.h"
 
-// How many workers a fleet needs, and how fast they are created.
+// Computes how many workers a fleet needs, and how fast they are created.
 
 namespace diaphane::fleet {
 
@@ -14,7 +14,8 @@ struct DesiredReplicas {
   int most = 0;
 };
 
-/// `usable`: workers that accept sessions or soon will. Without fresh demand, their number stays.
+/// Returns the desired number of workers. `usable` is the number of workers that accept sessions or
+/// soon will, which is kept if there is no fresh demand.
 DesiredReplicas desired_replicas(const FleetSpec& spec, const Demand* demand, int usable,
                                  Seconds now);
 
@@ -22,7 +23,7 @@ DesiredReplicas desired_replicas(const FleetSpec& spec, const Demand* demand, in
 /// creation times of the workers, so there is nothing to store, and every leader computes the same.
 struct Tokens {
   double count = 0;  ///< available tokens
-  Seconds next = 0;  ///< when the next whole token is available
+  Seconds next = 0;  ///< time at which the next whole token is available
 };
 Tokens refill_tokens(double per_second, std::vector<Seconds> created, Seconds now);
 

@@ -47,7 +47,7 @@ Seconds patience(const WorkerView& view, const ClusterState& world) {
   return reporting ? kHeartbeat : kFresh;
 }
 
-/// Whether at least half of the pods that have been ready for a while send telemetry.
+/// Returns whether at least half of the pods that have been ready for a while send telemetry.
 bool fresh(const FleetView& fleet, const ClusterState& world) {
   std::size_t expected = 0, reporting = 0;
   for (const WorkerView* view : fleet.workers) {
@@ -176,7 +176,7 @@ void ViewBuilder::add_telemetry() {
     const auto found = workers_by_uid_.find(sample.worker_uid);
     if (found == workers_by_uid_.end()) continue;
     WorkerView& worker = view_.workers[found->second];
-    // Ignore delayed or repeated samples of an earlier pod of the worker.
+    // Ignores delayed or repeated samples of an earlier pod of the worker.
     if (worker.pod ? sample.epoch != worker.pod->epoch || sample.sampled < worker.pod->created
                    : sample.epoch < worker.worker->status.epoch) {
       continue;

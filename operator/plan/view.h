@@ -21,7 +21,7 @@ enum class Health {
 
 struct WorkerView {
   const Worker* worker = nullptr;
-  const Fleet* fleet = nullptr;  ///< with the worker's fleet uid
+  const Fleet* fleet = nullptr;  ///< the fleet that the worker belongs to, by uid
   const Node* node = nullptr;
   const Pod* pod = nullptr;              ///< its own pod
   const Pod* name_conflict = nullptr;    ///< another worker's pod of the same name
@@ -47,8 +47,8 @@ struct FleetView {
   const Fleet* fleet = nullptr;
   const Demand* demand = nullptr;
   std::vector<const WorkerView*> workers;  ///< by name
-  /// Most of its ready pods send heartbeats. If they do not, the fault is in the telemetry and not
-  /// in the pods.
+  /// At least half of its ready pods send telemetry. Otherwise, the fault is in the telemetry and
+  /// not in the pods.
   bool metrics_fresh = true;
 };
 
@@ -67,7 +67,7 @@ View build_view(const ClusterState& world);
 /// sample.
 std::optional<double> load_of(const Telemetry& sample, Seconds now);
 
-/// Whether the node is marked as out of service, so that no kubelet will ever end its pods.
+/// Returns whether the node is marked as out of service, so that no kubelet will ever end its pods.
 bool out_of_service(const Node& node);
 
 }  // namespace diaphane::fleet

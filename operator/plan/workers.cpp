@@ -12,21 +12,21 @@ constexpr Seconds kLongestPause = 300;
 /// Grace period of a worker whose fleet was deleted first.
 constexpr Seconds kDefaultGrace = 300;
 
-/// Whether the status has reported this for long enough that it is not a single odd read.
+/// Returns whether the status has reported this long enough to rule out a single odd read.
 bool confirmed(const WorkerView& view, std::string_view type, ConditionStatus status, Seconds now) {
   const Condition* is = find(view.worker->status.conditions, type);
   return is && is->status == status && now - is->since >= kConfirmed;
 }
 
-/// Whether the worker no longer runs, whatever its pod's status says, because its node was deleted
-/// or marked as out of service and it sends no heartbeat.
+/// Returns whether the worker no longer runs, whatever its pod's status says, because its node was
+/// deleted or marked as out of service and it sends no heartbeat.
 bool beyond_reach(const WorkerView& view, Seconds now) {
   if (view.heartbeat_fresh || !confirmed(view, "NodeLost", ConditionStatus::kTrue, now))
     return false;
   return view.node ? out_of_service(*view.node) : view.heartbeat_overdue;
 }
 
-/// Whether the pod has been neither listed nor sent telemetry for a while.
+/// Returns whether the pod has been neither listed nor sent telemetry for a while.
 bool pod_gone(const WorkerView& view, PlanBuilder& builder) {
   if (view.pod) return false;
   const Worker& worker = *view.worker;
@@ -39,8 +39,8 @@ bool pod_gone(const WorkerView& view, PlanBuilder& builder) {
   return builder.now >= since + kConfirmed;
 }
 
-/// Whether ending the worker interrupts no session: it does not run, or it has reported after the
-/// start of its drain that it has no sessions, or the grace period is over.
+/// Returns whether ending the worker interrupts no session: it does not run, or it has reported
+/// after the start of its drain that it has no sessions, or the grace period is over.
 bool may_end(const WorkerView& view, PlanBuilder& builder) {
   const Pod& pod = *view.pod;
   if (pod.finished() || beyond_reach(view, builder.now)) return true;
@@ -99,7 +99,7 @@ DrainReason reason_named(std::string_view name) {
 
 std::optional<DrainReason> why_drain(const WorkerView& view, PlanBuilder& builder) {
   const Worker& worker = *view.worker;
-  // The drain was removed by hand and is restored.
+  // Restores a drain that was removed by hand.
   if (const Condition* draining = find(worker.status.conditions, "Draining");
       draining && draining->status == ConditionStatus::kTrue) {
     return reason_named(draining->reason);
@@ -148,7 +148,7 @@ void PlanBuilder::drain(const WorkerView& view, DrainReason reason) {
 void plan_worker(const WorkerView& view, PlanBuilder& builder) {
   const Worker& worker = *view.worker;
   if (worker.deleted) return plan_deleted(view, builder);
-  // Without its fleet, the worker waits for the garbage collector, which checks twice.
+  // A worker without its fleet is left to the garbage collector, which checks twice.
   if (!view.fleet) return;
   if (!worker.finalizer || !worker.labelled) {
     builder.add(Restore{Kind::kWorker, worker.name, worker.uid});

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kBlock = 512;
 
-/// A ustar header (POSIX.1-1988) with only name, mode and size set.
+/// Returns a ustar header (POSIX.1-1988) with only name, mode and size set.
 std::string header(std::size_t number, std::size_t size) {
   std::string block(kBlock, '\0');
   char* h = block.data();

@@ -29,21 +29,21 @@ struct Cranium {
   std::vector<std::int16_t> matrix;
 };
 
-/// kNotFound if the file does not exist, naming the package to install. kInvalid if it is not the
-/// project.
+/// Reads the project. Returns kNotFound with the package to install if the file does not exist, and
+/// kInvalid if it is not the project.
 Result<Cranium> read_cranium(const std::string& path);
 
 /// Converts the matrix to a right-handed volume in the patient's axes (x left, y back, z head) by
 /// reversing y.
 volume::Volume upright(const Cranium& cranium);
 
-/// The volume for comparisons with other renderers (scene "cranium"). It keeps the matrix's order
-/// of axes, read as x, y, z, and has the values round(30000 clamp((HU - 150)/450, 0, 1)). It
+/// Returns the volume for comparisons with other renderers (scene "cranium"). It keeps the matrix's
+/// order of axes, read as x, y, z, and has the values round(30000 clamp((HU - 150)/450, 0, 1)). It
 /// mirrors the patient, so use it for measurements only.
 volume::Volume mapped(const Cranium& cranium);
 
-/// Writes `volume` as a MetaImage with its voxels in the same file. kUnavailable if it cannot be
-/// written.
+/// Writes `volume` as a MetaImage with its voxels in the same file. Returns kUnavailable on
+/// failure.
 Result<void> write_mha(const volume::Volume& volume, const std::string& path);
 
 }  // namespace diaphane::sample

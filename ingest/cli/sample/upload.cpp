@@ -137,7 +137,7 @@ Result<void> send_parts(Client& client, const std::string& bundle, const std::st
       options.progress(sent, bundle.size());
     } else if (answer.status == 0 || answer.status >= 500 || answer.status == 409 ||
                answer.status == 423 || answer.status == 429 || answer.status == 460) {
-      ask = true;  // after a cut, asks for the offset and resumes there
+      ask = true;  // after a lost connection, asks for the offset and resumes
       std::this_thread::sleep_for(std::chrono::milliseconds(500));
     } else {
       return refusal(answer, "the server refused the upload");

@@ -31,7 +31,7 @@ struct UploadOptions {
 };
 
 /// Uploads `bundle` with tus 1.0, resuming after interruptions, and waits until the data set is
-/// ready. Returns its id. kInvalid with the text of the refusal. kUnavailable when there is no
+/// ready. Returns its ID, kInvalid with the text of a refusal, or kUnavailable if there is no
 /// response for a minute.
 Result<std::string> upload(const std::string& bundle, std::size_t files,
                            const UploadOptions& options);
