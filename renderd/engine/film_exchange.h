@@ -14,7 +14,7 @@ class FilmExchange {
   /// Sets the share of the picture that is rendered from the next sample. The film keeps its
   /// samples, and its progress counts the pixels with the fewest samples. A new scene begins with
   /// the whole picture. Fails with kConflict unless all rows of the previous share have the same,
-  /// even number of samples of their own, which they have after a whole batch.
+  /// even number of samples of their own, as after a whole batch of an even number.
   virtual Result<void> set_share(const Share&) { return no_shares(); }
   /// Moves the samples since the last call out of the film, so that another film can merge them.
   /// Returns false and moves nothing if there are no samples, if their number per pixel is odd, or

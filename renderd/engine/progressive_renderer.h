@@ -57,7 +57,7 @@ class ProgressiveRenderer {
   /// Raises the precedence of the current work, on the CPU only. Thread-safe.
   virtual void raise_precedence(unsigned) {}
 
-  /// Returns the names of the features that the kernel for this scene contains, for reports.
+  /// Returns the names of the features that this scene needs, for reports.
   virtual std::vector<std::string> features() const = 0;
   /// Describes how the current picture is rendered. Valid after set_scene().
   virtual KernelReport report() const { return {}; }

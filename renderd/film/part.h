@@ -33,8 +33,8 @@ inline constexpr std::uint64_t kSequenceSamples = std::uint64_t{1} << 40;
 
 /// The accumulated samples of a pixel, packed into 10 bytes.
 ///
-/// `mean` is the mean of the finite samples. It has no sign, because radiance is not negative, 6
-/// bits of exponent (2^-40 to 2^23) and 10 bits of mantissa. It is rounded to nearest, so its
+/// `mean` is the mean of the finite samples. It has 6 bits of exponent (2^-40 to 2^23), 10 bits of
+/// mantissa, and no sign, because radiance is not negative. It is rounded to nearest, so its
 /// relative error is at most 2^-11. On the display this is x^(1/2.2) 2^-11 / 2.2 < 2.3e-4 of white
 /// and 1.3e-4 in the root mean square, which is invisible in a picture that is converged to 1%. The
 /// roundings of different parts are independent, so merging reduces the error.
@@ -69,12 +69,12 @@ struct FilmPart {
   std::shared_ptr<const PixelsOnDevice> on_device = nullptr;
 };
 
-/// Whether [first_row, last_row) can be a share of a picture of `height` rows.
+/// Returns whether [first_row, last_row) can be a share of a picture of `height` rows.
 inline bool is_band(std::uint32_t first_row, std::uint32_t last_row, std::uint32_t height) {
   return first_row % kShareRows == 0 && first_row < last_row && last_row <= height &&
          (last_row % kShareRows == 0 || last_row == height);
 }
-/// Whether `part` can belong to a picture of this size.
+/// Returns whether `part` can belong to a picture of this size.
 inline bool fits(const FilmPart& part, Canvas size) {
   return part.width == size.width && part.rows <= size.height &&
          is_band(part.first_row, part.first_row + part.rows, size.height) &&

@@ -7,12 +7,12 @@
 // height-correlated masking: Heitz 2014; visible normals by spherical caps: Dupuy and Benyoub
 // 2023). All directions are unit vectors that point away from the surface, on the viewer's side.
 //
-// The Fresnel term is Schlick's with the value min(1, 50 F0) at grazing incidence, so that no lobe
-// is the limit of a faint one. What the lobe does not reflect reaches the Lambert part, on the way
-// in and out: (1 - F(view)) (1 - F(light)) diffuse / pi. This is reciprocal, and with a white
-// diffuse colour the surface reflects at most all light. It loses the light that facets would
-// scatter twice, and up to 1/21 of the light that enters, because the factors of view and light are
-// used alone (Ashikhmin and Shirley 2000 divide by their mean, which would exceed 1 here).
+// The Fresnel term is Schlick's with the value min(1, 50 F0) at grazing incidence, so that the
+// lobe vanishes as F0 approaches 0. What the lobe does not reflect reaches the Lambert part, on the
+// way in and out: (1 - F(view)) (1 - F(light)) / (1 - mean F) diffuse / pi (after Ashikhmin and
+// Shirley 2000). This is reciprocal, and with a white diffuse colour the surface reflects at most
+// all light. The only loss is the light that facets would scatter twice, which matters for rough
+// lobes.
 
 namespace diaphane::render {
 

@@ -42,7 +42,7 @@ HOST_DEVICE Span clip_span([[maybe_unused]] const SceneView<Volume>& scene,
 /// a slice in a face of the clip box visible despite rounding.
 inline constexpr float kClipTolerance = 1e-3f;
 
-/// Whether the clip keeps `place`, in voxel indices.
+/// Returns whether the clip keeps `place`, in voxel indices.
 template <Features F, typename Volume>
 HOST_DEVICE bool is_kept([[maybe_unused]] const SceneView<Volume>& scene,
                          [[maybe_unused]] Float3 place) {

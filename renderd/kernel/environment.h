@@ -13,7 +13,7 @@ struct MapsHit {
   Float3 radiance;
   float density;  ///< density of sample_maps(), per steradian
 };
-/// Returns the maps in the unit vector `direction` of the volume's frame.
+/// Returns the sum of the maps along `direction`, a unit vector in the volume's frame.
 HOST_DEVICE MapsHit meet_maps(const LightsView& lights, Float3 direction) {
   MapsHit hit{};
   for (std::uint32_t i = 0; i < lights.map_count; ++i) {

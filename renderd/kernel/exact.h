@@ -32,12 +32,12 @@ inline constexpr float kCertainDepth = DIAPHANE_CERTAIN_DEPTH;
 template <Features F, typename Volume>
 class DepthWalk {
  public:
-  DepthWalk() = default;  ///< to be assigned to
+  DepthWalk() = default;  ///< uninitialised; assign before use
   HOST_DEVICE DepthWalk(const Ray& ray, Span span, const Volume& volume, const ExactView& exact)
       : walk_(ray, span, volume, exact) {}
 
   HOST_DEVICE bool ended() const { return walk_.ended(); }
-  /// The exact optical depth up to the current position.
+  /// Returns the exact optical depth up to the current position.
   HOST_DEVICE float depth() const { return depth_; }
 
   /// Takes one step of a walk that has not ended. Returns true if it finished the cell `c`.
@@ -115,15 +115,15 @@ class DepthWalk {
 template <Features F, typename Volume>
 class TransmittanceWalk : public DepthWalk<F, Volume> {
  public:
-  TransmittanceWalk() = default;  ///< to be assigned to
-  /// `ending` is an exponential variate.
+  TransmittanceWalk() = default;  ///< uninitialised; assign before use
+  /// `ending` is an exponential variate, which decides where roulette ends the ray.
   HOST_DEVICE TransmittanceWalk(const Ray& ray, Span span, const Volume& volume,
                                 const ExactView& exact, float ending)
       : DepthWalk<F, Volume>(ray, span, volume, exact), dark_(kCertainDepth + ending) {}
 
-  /// Ends earlier than the walk itself if no light is left.
+  /// Returns true earlier than the walk itself if no light is left.
   HOST_DEVICE bool ended() const { return DepthWalk<F, Volume>::ended() || this->depth() >= dark_; }
-  /// Requires that the walk has ended.
+  /// Returns the estimate. Requires that the walk has ended.
   HOST_DEVICE float transmittance() const {
     return this->depth() >= dark_ ? 0.0f : expf(-min(this->depth(), kCertainDepth));
   }
@@ -153,7 +153,7 @@ inline constexpr float kStrataTilt = DIAPHANE_STRATA_TILT;
 struct OpacityStratum {
   float begin, width;
 
-  /// Stratum `number` of `count`.
+  /// Makes stratum `number` of `count`.
   HOST_DEVICE OpacityStratum(std::int32_t number, std::int32_t count) {
     const float one = 1.0f / static_cast<float>(count), x = static_cast<float>(number) * one;
     begin = x * (1.0f - kStrataTilt + kStrataTilt * x);
@@ -189,7 +189,7 @@ HOST_DEVICE constexpr KindList hit_kinds() {
   constexpr StrategyList kLight = strategies<F>();
   for (std::uint32_t i = 0; i < kLight.count; ++i)
     list.of[list.count++] = static_cast<int>(kLight.of[i]);
-  // Glowing matter is visible without any light.
+  // Glowing matter is visible without any light, so some kind must look for collisions.
   if (list.count == 0) list.of[list.count++] = static_cast<int>(Strategy::kEnvironment);
   if (F.has(Feature::kBounces)) list.of[list.count++] = kIndirect;
   return list;

@@ -97,7 +97,7 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& segment,
 struct ValueCubic {
   float c0, c1, c2, c3;
 
-  ValueCubic() = default;  ///< to be assigned to
+  ValueCubic() = default;  ///< uninitialised; assign before use
   HOST_DEVICE ValueCubic(const Corners& c, const Crossing& segment) {
     const float length = segment.t1 - segment.t0;
     const Float3 p = segment.at(segment.t0), d = segment.direction * length;
@@ -184,7 +184,7 @@ class PartsWalk {
     float begin, end;  ///< s of ValueCubic
   };
 
-  PartsWalk() = default;  ///< to be assigned to
+  PartsWalk() = default;  ///< uninitialised; assign before use
   HOST_DEVICE PartsWalk(const Corners& corners, const Crossing& segment, const ExactView& exact)
       : cubic_(corners, segment) {
     const ValueCubic::Hull hull = cubic_.hull();

@@ -26,7 +26,7 @@ struct CellCrossing {
 template <typename Volume>
 class ExactWalk {
  public:
-  ExactWalk() = default;  ///< to be assigned to
+  ExactWalk() = default;  ///< uninitialised; assign before use
   HOST_DEVICE ExactWalk(const Ray& ray, Span span, const Volume& volume, const ExactView& exact)
       : origin_(ray.origin + Float3{0.5f, 0.5f, 0.5f}),
         direction_{away_from_zero(ray.direction.x), away_from_zero(ray.direction.y),

@@ -28,7 +28,7 @@ struct LightSample {
 struct LightHit {
   Float3 radiance;
   float distance;  ///< mm
-  float density;   ///< of sample_light in this direction
+  float density;   ///< density of sample_light() in this direction
   bool met;
 };
 

@@ -46,7 +46,7 @@ HOST_DEVICE ValueSpan LinearVolume::corner_range(Int3 cell) const {
 }
 
 /// Indices of the voxels at the two ends of a cell along one axis, clamped to the volume. Rounding
-/// may take a ray one cell beyond the last one, which is cell `size`.
+/// may take a ray one cell beyond the last cell, which is cell `size`.
 struct CellEnds {
   std::int32_t low, high;
 

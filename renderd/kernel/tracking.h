@@ -8,8 +8,8 @@
 
 namespace diaphane::render {
 
-/// Optical depth and ratio at which the transmittance estimate starts Russian roulette. Any value
-/// is unbiased; these gave the least variance times time on the cranium scene.
+/// Optical depth and ratio at which the transmittance estimate starts Russian roulette. Any values
+/// are unbiased; these gave the least variance times time on the cranium scene.
 inline constexpr float kRouletteDepth = 1.5f;
 inline constexpr float kRouletteRatio = 0.3f;
 

@@ -7,7 +7,7 @@
 #include "renderd/math/vector.h"
 
 // The data that a kernel reads, as plain views without ownership or containers. Their pointers
-// refer to memory of the executor (host or device).
+// refer to memory of the host or of the device, wherever the kernel runs.
 //
 // All coordinates in a kernel are in the *volume's frame*: millimetres along the voxel axes, with
 // the origin at the corner of voxel (0,0,0). Preparation transforms camera and lights into it once,
@@ -196,11 +196,11 @@ struct LightsView {
   std::uint32_t map_count;     ///< number of entries in `maps`
   const EnvironmentMap* maps;  ///< environment lights with a texture
   const LightTexture* textures;
-  /// xyz: colour. w: probability that a direction sampled in this row lies in this texel or before
-  /// it, over the solid angle as a latitude-longitude map.
+  /// xyz is the colour. w is the probability that a direction sampled in this row of a
+  /// latitude-longitude map lies in this texel or before it.
   const Float4* texels;
   const float* rows;  ///< probability that a sampled direction lies in this row or above it
-  bool maps_visible;  ///< maps are visible to camera rays
+  bool maps_visible;  ///< whether camera rays see the maps
 };
 
 /// A pinhole, a thin lens or parallel rays in one form. A ray starts not at the eye but in the

@@ -60,7 +60,7 @@ class GridWalk {
     find_end();
   }
 
-  /// Index of the cell, x fastest.
+  /// Returns the index of the cell, x fastest.
   HOST_DEVICE std::int32_t cell() const { return cell_[0]; }
   HOST_DEVICE Int3 coordinates() const requires Coordinates {
     return {cell_[0], cell_[1], cell_[2]};
@@ -120,7 +120,7 @@ class GridWalk {
   std::int32_t cell_[Coordinates ? 3 : 1];
 };
 
-/// Walks the macrocells. Their bounds hold up to half a voxel outside, more than rounding errors.
+/// Walks the macrocells. Their bounds also hold half a voxel outside, so rounding does no harm.
 class CellWalk : public GridWalk<kCellSize, false> {
  public:
   HOST_DEVICE CellWalk(const Ray& ray, Span span, const GridView& grid)

@@ -43,8 +43,8 @@ class CudaDenoiser {
   /// `work.buffers`.
   Result<void> run(DenoiseWork work, float scale, std::uint8_t* rgb, float* radiance,
                    cudaStream_t stream);
-  /// Duration of the kernels of the last run(), measured between two events on the stream; 0 before
-  /// the first run.
+  /// Returns the duration of the kernels of the last run(), measured between two events on the
+  /// stream, or 0 before the first run.
   double last_milliseconds() const;
 
  private:

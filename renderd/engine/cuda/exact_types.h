@@ -54,7 +54,7 @@ struct alignas(16) ExactItem {
 };
 inline constexpr std::uint32_t kItemMet = 1u << 30, kItemShowsSlice = 1u << 31;
 
-/// A collision of a camera ray. Kernel 1 writes its cell and optical depth, kernel 2 its light.
+/// A collision of a camera ray. Kernel 1 writes its position, and the next kernels its light.
 struct alignas(16) HitRecord {
   /// First the distances at which the ray enters and leaves the cell (mm), and the optical depth
   /// from the entry to the hit. Later red, green and blue.

@@ -73,7 +73,7 @@ Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& pre
 Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
   const PreparedTransfer& transfer = *prepared.transfer;
   const cudaStream_t stream = stream_.get();
-  // If the transfer function is unchanged, for example after a camera move, no table is uploaded.
+  // If the transfer function is unchanged, as after a camera move, its tables are not uploaded.
   const bool other = prepared.transfer != prepared_.transfer;
   const auto wants = [&](Feature f) {
     return prepared.features.has(f) && (other || !prepared_.features.has(f));
