@@ -11,7 +11,7 @@
 // lobe vanishes as F0 approaches 0. What the lobe does not reflect reaches the Lambert part, on the
 // way in and out: (1 - F(view)) (1 - F(light)) / (1 - mean F) diffuse / pi (after Ashikhmin and
 // Shirley 2000). This is reciprocal, and with a white diffuse colour the surface reflects at most
-// all light. The only loss is the light that facets would scatter twice, which matters for rough
+// all light. The model loses the light that facets would scatter twice, which matters for rough
 // lobes.
 
 namespace diaphane::render {
