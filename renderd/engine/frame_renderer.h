@@ -22,8 +22,8 @@ struct EngineInfo {
   std::string engine;              ///< "cpu" or "cuda"
   std::string device;              ///< "2 CPU threads", "NVIDIA H200"
   std::uint64_t memory_bytes = 0;  ///< total memory of the device, or of the machine for the CPU
-  /// Number of samples in flight that keep the device busy; 0 if unknown. A quantum of fewer
-  /// samples leaves room for another session.
+  /// Number of samples in flight that keep the device busy; 0 if unknown. Work of fewer samples at
+  /// a time leaves room for another session.
   double parallel = 0;
   /// Whether the device accepts work while it is busy, and starts it when the current work ends.
   bool queues = false;
@@ -39,9 +39,9 @@ class DeviceVolume {
   virtual std::uint64_t device_bytes() const = 0;
 };
 
-/// Renders one session's picture progressively. Functions take the interface that they need of the
-/// three. A renderer is not thread-safe: one thread at a time may call it, not always the same one.
-/// Different renderers of an engine may be called concurrently.
+/// Renders one session's picture progressively. Code that needs only one of the three interfaces
+/// takes that interface. A renderer is not thread-safe: only one thread at a time may call it, but
+/// the thread may change. Different renderers of an engine may be called concurrently.
 class FrameRenderer : public ProgressiveRenderer, public PictureSource, public FilmExchange {};
 
 /// A rendering device. Thread-safe.
@@ -74,25 +74,25 @@ enum class EngineChoice { kAuto, kCpu, kCuda };
 struct EngineOptions {
   KernelChoice kernels = KernelChoice::kExact;
   std::string kernel_cache;  ///< directory for compiled kernels; empty if none are kept on disk
-  /// Leaves out the acceleration structures that would take more than 5% of the device memory in
-  /// addition to the voxels.
+  /// Replaces the exact walk by tracking, because its acceleration structures would take between a
+  /// fifth and twice the memory of the voxels.
   bool lean_memory = false;
-  /// Memory limit of the CPU engine for the pictures of all sessions together (make_cpu_engine).
+  /// Memory limit of the CPU engine for the pictures of all sessions (make_cpu_engine), in bytes.
   std::uint64_t film_bytes = 0;
   int device = 0;  ///< index among the visible CUDA devices
 };
 
 /// Returns DIAPHANE_KERNEL_CACHE if it is set, where an empty value disables the cache. Otherwise
 /// returns diaphane/kernels in XDG_CACHE_HOME or in ~/.cache, or an empty string if neither
-/// variable is set.
+/// XDG_CACHE_HOME nor HOME is an absolute path.
 std::string default_kernel_cache();
 
-/// Parses "exact", "stand-in", "ahead-of-time" or "general".
+/// Parses "exact", "stand-in", "ahead-of-time" or "general". Returns nothing for another name.
 std::optional<KernelChoice> kernel_choice(std::string_view name);
 
-/// Reads DIAPHANE_KERNELS (default: exact), default_kernel_cache() and DIAPHANE_LEAN_MEMORY (1 or
-/// 0, the default). Fails with kInvalid and the name of the variable if its value is not one of
-/// these.
+/// Reads DIAPHANE_KERNELS (a name for kernel_choice(), "exact" by default), default_kernel_cache()
+/// and DIAPHANE_LEAN_MEMORY (1, or 0 by default). Fails with kInvalid and the name of the variable
+/// if its value is invalid.
 Result<EngineOptions> engine_options_from_environment();
 
 /// Returns the number of CUDA devices that this process sees, which is 0 without a usable driver.
@@ -102,12 +102,12 @@ int visible_devices();
 using FallbackReport = std::function<void(const Error& reason)>;
 
 /// Makes the chosen engine. kAuto chooses CUDA if the program contains the CUDA engine and
-/// `options.device` can be used. Otherwise it calls `on_fallback`, if there is one, and chooses the
+/// `options.device` can be used. Otherwise kAuto calls `on_fallback`, if it is set, and chooses the
 /// CPU. `threads` is the number of threads of the CPU engine; 0 means one per core.
 Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads,
                                             const EngineOptions& options,
                                             const FallbackReport& on_fallback = {});
-/// Takes the options from the environment (engine_options_from_environment).
+/// Makes the chosen engine with the options from engine_options_from_environment().
 Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads);
 
 }  // namespace diaphane::render

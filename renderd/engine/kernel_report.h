@@ -12,12 +12,12 @@ namespace diaphane::render {
 /// Which kernel an engine uses for a scene if it can compile one for exactly the features of the
 /// scene (CUDA). Every kernel gives the same estimate, but not the same bits (docs/adr/0010).
 enum class KernelChoice : std::uint8_t {
-  kExact,    ///< the scene's own, compiled before the first sample, so that the bits depend only on
-             ///< the scene
-  kStandIn,  ///< the best available one while the scene's own is compiled; a picture keeps the
+  kExact,    ///< the scene's own kernel, compiled before the first sample, so that the bits depend
+             ///< only on the scene
+  kStandIn,  ///< the best available kernel while the scene's own is compiled; a picture keeps the
              ///< kernel with which it began
-  kAheadOfTime,  ///< the smallest suitable one in the program
-  kGeneral,      ///< the one with all features
+  kAheadOfTime,  ///< the smallest suitable kernel in the program
+  kGeneral,      ///< the kernel with all features
 };
 
 enum class KernelOrigin : std::uint8_t { kGeneral, kAheadOfTime, kForThisScene };
@@ -28,7 +28,7 @@ struct KernelReport {
   KernelOrigin origin = KernelOrigin::kAheadOfTime;
   double compile_milliseconds = 0;  ///< time to compile, or to read and load; 0 if ahead of time
   bool from_cache = false;          ///< read from disk instead of compiled
-  /// For a GPU: registers per thread, and bytes per thread that do not fit into them.
+  /// Registers per thread of a GPU, and bytes per thread that do not fit into registers.
   std::optional<int> registers;
   std::optional<std::uint64_t> local_bytes;
   /// Duration of the denoiser's kernels for the last picture, measured by the device; empty if none

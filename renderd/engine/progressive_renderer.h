@@ -17,10 +17,10 @@ struct Batch {
   std::uint32_t samples = 0;          ///< per pixel; fewer than requested if the call was stopped
   double seconds = 0;                 ///< wall-clock time of the call
   std::uint64_t dropped_samples = 0;  ///< samples that were not finite and were therefore dropped
-  /// Device time of other devices for this picture, from their parts that arrived during the call.
+  /// Time that other devices spent on this picture, for parts that arrived during the call.
   double helped_seconds = 0;
-  /// Whether the samples are not the first of their picture, but of the slower and better estimator
-  /// that follows a draft. A batch never has samples of both.
+  /// Whether the samples come from the slower and better estimator that follows a draft. A batch
+  /// never has samples of both estimators.
   bool refined = false;
 };
 
@@ -31,7 +31,7 @@ struct Progress {
   /// Estimated relative RMSE of the displayed picture compared with the converged one, computed
   /// from two independent halves of the samples. Infinity for fewer than two samples.
   double error = 0;
-  /// Stops that automatic exposure adds to the exposure of the scene, as of the last error.
+  /// Stops that automatic exposure adds to the exposure of the scene, measured with the error.
   double stops = 0;
 };
 
@@ -40,24 +40,24 @@ class ProgressiveRenderer {
  public:
   virtual ~ProgressiveRenderer() = default;
 
-  /// Replaces scene and canvas and clears the film. On an error (kInvalid names the field), scene,
-  /// canvas and picture stay as they were.
+  /// Replaces scene and canvas and clears the film. If it returns kInvalid (with the name of the
+  /// field) or kOutOfMemory, scene, canvas and picture stay as they were.
   virtual Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) = 0;
-  /// Adds up to `samples` samples per pixel, fewer where a draft ends. Between rows or launches it
-  /// asks `stop`, and returns early if that is true. The unfinished part is not in the picture, so
-  /// that every pixel has the same number of samples; the CPU continues it in the next call, and a
-  /// GPU begins it again. Returns kInvalid before set_scene(), and
-  /// kOutOfMemory or kDeviceLost if the device fails.
+  /// Adds up to `samples` samples per pixel, fewer where a draft ends. Calls `stop` between tiles
+  /// or launches, and returns early if the result is true. The next call then continues the
+  /// unfinished work. Until then, the CPU leaves it out of the picture, and on a GPU the upper rows
+  /// have more samples than the others. Fails if no scene is set, and with kOutOfMemory or
+  /// kDeviceLost if the device fails.
   virtual Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) = 0;
   virtual Progress progress() const = 0;
-  /// Sets the precedence of the next work: 0 unless a user waits for it, as for the first picture
-  /// after an input. On a GPU, work above 0 runs before the queued work of other renderers. On the
-  /// CPU, work of a higher precedence pauses work of a lower one.
+  /// Sets the precedence of the next work. It is above 0 for work that a user waits for, such as
+  /// the first picture after an input. On a GPU, work above 0 runs before the queued work of other
+  /// renderers. On the CPU, work of a higher precedence pauses work of a lower precedence.
   virtual void set_precedence(unsigned) {}
   /// Raises the precedence of the current work, on the CPU only. Thread-safe.
   virtual void raise_precedence(unsigned) {}
 
-  /// Returns the names of the features that the kernel for this scene contains, for reports.
+  /// Returns the names of the features that this scene needs, for reports.
   virtual std::vector<std::string> features() const = 0;
   /// Describes how the current picture is rendered. Valid after set_scene().
   virtual KernelReport report() const { return {}; }

@@ -5,7 +5,7 @@
 namespace diaphane::render {
 
 /// The size of a picture in pixels; both sides are 1 to kLongestCanvas. A canvas may be a band of
-/// rows of a larger picture. Its pixels are then bit for bit those of the larger picture.
+/// rows of a larger picture, whose pixels it reproduces bit for bit.
 struct Canvas {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -17,10 +17,10 @@ struct Canvas {
   bool operator==(const Canvas&) const = default;
 };
 inline constexpr std::uint32_t kLongestCanvas = 16384;
-/// The maximum for one film.
+/// The maximum number of pixels of one film.
 inline constexpr std::uint64_t kMostCanvasPixels = std::uint64_t{1} << 26;
 
-/// Whether a film can have this canvas.
+/// Returns whether a film can have this canvas.
 inline bool is_sound(Canvas canvas) {
   return canvas.width > 0 && canvas.height > 0 && canvas.width <= kLongestCanvas &&
          canvas.picture_height() <= kLongestCanvas &&

@@ -6,10 +6,10 @@
 #include "renderd/film/guides.h"
 #include "renderd/math/half.h"
 
-// Denoises the first pictures of an epoch, which are still noisy. An edge-avoiding a-trous filter
-// (Dammertz et al. 2010) is steered by the guides and by the variance of the picture (Schied et al.
-// 2017, without the temporal part). The result is then blended with the raw picture so that the
-// error is minimal.
+// Denoises the first pictures of a view, which are still noisy. The guides and the variance of the
+// picture (Schied et al. 2017, without the temporal part) steer an edge-avoiding a-trous filter
+// (Dammertz et al. 2010). The result is then blended with the raw picture so that the error is
+// minimal.
 //
 // The blend: let M be the raw picture, F the filtered one and d the deviation of M (film.h: E[d^2]
 // = Var[M], independent of the mean of M). The squared error of M + w (F - M) is minimal at
@@ -19,25 +19,25 @@
 // denominator approaches the squared bias of the filter. So w approaches 0, and the final picture
 // is the raw one.
 //
-// Every function works on one pixel or on a pair of pixels; the executors supply loops and memory.
+// Every function works on one pixel or on a pair of pixels; the engines supply loops and memory.
 
 namespace diaphane::render {
 
-/// Each pass has 5 x 5 taps, which are 1, 2, 4, ... pixels apart.
+/// Number of passes. A pass has 5 x 5 taps, which are 1, 2, 4 and 8 pixels apart in turn.
 inline constexpr std::uint32_t kDenoisePasses = 4;
 inline constexpr std::int32_t kDenoiseReach = 2;
 
-/// The variance is the mean of d^2 over this many pixels in each direction, because d^2 of one
-/// pixel says very little.
+/// The variance is the mean of d^2 over this many pixels in each direction, because d^2 of a single
+/// pixel is too noisy.
 inline constexpr std::int32_t kVarianceReach = 3;
 
-/// The weight along one axis at a distance of `tap`, from the B3 spline.
+/// Returns the weight of a tap along one axis, `tap` taps from the centre, from the B3 spline.
 HOST_DEVICE float spline_weight(std::int32_t tap) {
   constexpr float kWeights[] = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
   return kWeights[tap < 0 ? -tap : tap];
 }
 
-/// The filtered quantities, in units of the picture's white.
+/// The quantities that are filtered, in units of the picture's white.
 struct Smoothed {
   Float3 mean;
   float deviation;  ///< of the luminance
@@ -52,8 +52,8 @@ struct Steering {
 
 HOST_DEVICE float luminance(Float3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
-/// Brighter pixels are clipped, in units of white, so that a single bright path does not light up
-/// its surroundings.
+/// The value at which the filter clips brighter pixels, in units of white, so that a single bright
+/// path does not light up its surroundings.
 inline constexpr float kBrightest = 16.0f;
 
 HOST_DEVICE float bounded(float x, float low, float high) {
@@ -83,7 +83,7 @@ HOST_DEVICE Steering steering_of(const Guides& g, bool takes_part) {
 }
 
 /// Steering data as half floats, in 16 bytes. A negative opacity marks a pixel that contributes
-/// nothing to other pixels. Both engines filter with the packed values, so that they round alike.
+/// nothing to other pixels. Both engines filter with the packed values, so that they agree.
 struct alignas(16) PackedSteering {
   std::uint32_t pairs[4];
 };
@@ -105,7 +105,7 @@ HOST_DEVICE Steering unpack(const PackedSteering& p) {
           {high(2), low(3), high(3)}};
 }
 
-/// An approximation of exp(-x) for x >= 0, which is 0 for x >= 8.
+/// Returns an approximation of exp(-x) for x >= 0, which is 0 for x >= 8.
 HOST_DEVICE float falloff(float x) {
   const float t = max(1.0f - 0.125f * x, 0.0f);
   const float t2 = t * t, t4 = t2 * t2;
@@ -133,7 +133,7 @@ HOST_DEVICE float unlikeness(const Steering& p, const Steering& q, float depth_s
          both * squared((p.depth - q.depth) / depth_step);
 }
 
-/// How much the luminance of the picture steers a pass, by the distance between its taps. Before
+/// Returns how much the luminance of the picture steers a pass with taps `stride` apart. Before
 /// neighbours have been averaged, a single bright path looks like a detail and would be preserved.
 HOST_DEVICE float luminance_trust(std::int32_t stride) {
   return stride == 1 ? 0.0f : stride == 2 ? 0.1f : stride == 4 ? 0.5f : 1.0f;
@@ -189,8 +189,8 @@ struct GainsView {
   std::uint32_t across, down;
 };
 
-/// Interpolates bilinearly between the centres of the four nearest tiles, so that tile borders are
-/// invisible.
+/// Returns the gain at a pixel by bilinear interpolation between the centres of the four nearest
+/// tiles, so that tile borders are invisible.
 HOST_DEVICE Gain gain_around(const GainsView& gains, std::uint32_t x, std::uint32_t y) {
   const float u = bounded((static_cast<float>(x) + 0.5f) / kGainTile - 0.5f, 0.0f,
                           static_cast<float>(gains.across - 1));
@@ -212,7 +212,7 @@ HOST_DEVICE Gain gain_around(const GainsView& gains, std::uint32_t x, std::uint3
   return sum;
 }
 
-/// Returns the raw picture unchanged if `share` is 0.
+/// Returns the blend of raw and filtered colour. If `share` is 0, it is exactly the raw colour.
 HOST_DEVICE Float3 blended(Float3 raw, Float3 filtered, float share) {
   if (!(share > 0.0f)) return raw;
   if (!is_finite(raw)) return filtered;
@@ -222,20 +222,20 @@ HOST_DEVICE Float3 blended(Float3 raw, Float3 filtered, float share) {
 /// A picture whose estimated error (film/error.h) is at most this is not denoised, so that a
 /// converged picture is the raw one.
 inline constexpr double kNeverDenoised = 0.01;
-/// Above this error the filter is fully used. Its share falls gradually between the two limits, so
-/// that no step is visible.
+/// Above this error, the filtered picture has its full share. Between the two limits the share
+/// falls gradually, so that no step is visible.
 inline constexpr double kFullyDenoised = 0.03;
 
 /// Returns the factor for the share of the filtered picture. `error` is that of the raw picture, or
-/// infinite if unknown. The squared error is convex in the share, so a smaller share than
-/// the best never makes the picture worse than the raw one.
+/// infinite if unknown. The squared error is convex in the share, so a share below the optimum
+/// never makes the picture worse than the raw one.
 inline float denoiser_fade(double error) {
   const double x = (error - kNeverDenoised) / (kFullyDenoised - kNeverDenoised);
   return static_cast<float>(x > 1 ? 1 : x > 0 ? x : 0);
 }
 
-/// Whether a pixel is smoothed and smooths others. This requires that something is visible through
-/// it, that it shows no slice, and that at least one of its samples was finite.
+/// Returns whether a pixel is smoothed and contributes to others. This requires that matter is
+/// visible through it, that it shows no slice, and that at least one of its samples was finite.
 HOST_DEVICE bool takes_part(const ConstFilmView& film, std::uint64_t pixel, std::uint64_t samples,
                             const Guides& guides) {
   const std::uint32_t state = film.state[pixel];
@@ -245,7 +245,7 @@ HOST_DEVICE bool takes_part(const ConstFilmView& film, std::uint64_t pixel, std:
   return dropped < samples;
 }
 
-/// Estimates the deviation of a picture of one sample, which has no halves. The difference to the
+/// Estimates the deviation of a pixel of one sample, which has no halves. The difference from the
 /// neighbour whose guides are most similar replaces the difference of the halves.
 struct NeighbourDeviation {
   float value = 0.0f;

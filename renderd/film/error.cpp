@@ -8,8 +8,8 @@ namespace diaphane::render {
 
 namespace {
 
-/// Returns the value below which 99% of the kWhiteBins counts lie, assuming an even spread within
-/// each bin. Returns 0 if there are no counts or all are black.
+/// Returns the value below which 99% of the counted colours lie, assuming an even spread within
+/// each bin. Returns 0 if nothing was counted or at least 99% of the colours are black.
 float percentile(const std::uint64_t* counts) {
   std::uint64_t total = 0;
   for (std::uint32_t bin = 0; bin < kWhiteBins; ++bin) total += counts[bin];
@@ -19,7 +19,7 @@ float percentile(const std::uint64_t* counts) {
     const double here = static_cast<double>(counts[bin]);
     if (here > 0 && below + here >= rank) {
       if (bin == 0) return 0.0f;
-      // An octave has 16 equal steps.
+      // Each octave is divided into 16 equal steps.
       const float part = static_cast<float>((rank - below) / here);
       return std::ldexp(1.0f + (static_cast<float>(bin % 16) + part) / 16.0f,
                         static_cast<int>(bin / 16) - 32);
@@ -35,7 +35,7 @@ float white_from_histogram(const WhiteHistogram& histogram) {
   const float mean = percentile(histogram.counts);
   const float half = percentile(histogram.counts + kWhiteBins);
   if (!(mean > 0.0f)) return 1.0f;
-  // A ratio above two is not a small step and does not predict the next one.
+  // A larger ratio does not predict the remaining step, so it counts only up to a factor of two.
   return mean / std::clamp(half / mean, 0.5f, 2.0f);
 }
 

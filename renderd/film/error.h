@@ -32,11 +32,11 @@
 
 namespace diaphane::render {
 
-/// Edge of a tile in pixels; the error is known per tile.
+/// Edge in pixels of the tiles for which errors are summed.
 inline constexpr std::uint32_t kTileSize = 16;
 
-/// Histogram of radiance for the percentile, with 16 steps per octave from 2^-32 to 2^32, taken
-/// from the bits of the float.
+/// Number of bins of the histogram of radiance that gives the percentile: 16 per octave from 2^-32
+/// to 2^32. A bin comes from the bits of the float.
 inline constexpr std::uint32_t kWhiteBins = 1024;
 
 HOST_DEVICE std::uint32_t white_bin(float radiance) {
@@ -47,15 +47,15 @@ HOST_DEVICE std::uint32_t white_bin(float radiance) {
   return (b.u >> 19) - ((127u - 32u) << 4);
 }
 
-/// Bins for the means of the pixels and for one half of each pixel: the even samples of one pixel,
-/// the odd samples of the next.
+/// Number of bins for the means of the pixels and for one half of each pixel, which alternates: the
+/// even samples of one pixel, the odd samples of the next.
 inline constexpr std::uint32_t kWhiteCounts = 2 * kWhiteBins;
 
 struct WhiteHistogram {
   std::uint64_t counts[kWhiteCounts] = {};  ///< bins of the means, then bins of the halves
 };
 
-/// The counts of WhiteHistogram that a pixel which hit contents increments by one.
+/// The indices of the six counts in WhiteHistogram that a pixel which hit contents increments.
 struct WhiteEntries {
   std::uint32_t of[6];
 };
@@ -66,12 +66,12 @@ HOST_DEVICE WhiteEntries white_entries(const PixelEstimate& e, std::uint64_t pix
            kWhiteBins + white_bin(half.z)}};
 }
 
-/// Adds those of the pixels [first, last) that hit contents, with three colours each.
+/// Adds the colours of the pixels [first, last) that hit contents to `histogram`.
 void count_white(const ConstFilmView& film, std::uint64_t first, std::uint64_t last,
                  std::uint64_t samples, WhiteHistogram& histogram);
 
 /// Returns the value below which 99% of the colours of the pixels would lie without noise. Returns
-/// 1 if there are no pixels or all are black.
+/// 1 if there are no pixels or at least 99% of the colours are black.
 float white_from_histogram(const WhiteHistogram& histogram);
 
 HOST_DEVICE float squared_error(float mean, float deviation, float inverse_white, ToneCurve curve) {
@@ -80,7 +80,7 @@ HOST_DEVICE float squared_error(float mean, float deviation, float inverse_white
   const float down = at - tone((mean - deviation) * inverse_white, curve);
   return 0.5f * (up * up + down * down);
 }
-/// Returns the squared error of one pixel, summed over the colours. Divide it by 3 for the mean.
+/// Returns the squared error of one pixel, summed over its three colours.
 HOST_DEVICE float squared_error(const PixelEstimate& e, float inverse_white, ToneCurve curve) {
   return squared_error(e.mean.x, e.deviation.x, inverse_white, curve) +
          squared_error(e.mean.y, e.deviation.y, inverse_white, curve) +
@@ -103,8 +103,8 @@ TileError tile_error(const ConstFilmView& film, Canvas size, std::uint32_t tile_
                      std::uint32_t tile_y, std::uint64_t samples, float white,
                      ToneCurve curve = ToneCurve::kLinear);
 
-/// Returns the error of the whole picture: the square root of the mean over the pixels of the tiles
-/// and their colours. It is infinity below two samples and 0 if no pixel hits contents.
+/// Returns the error of the whole picture: the square root of the mean over the counted pixels and
+/// their colours. The error is infinite below two samples, and 0 if no pixel hits contents.
 double total_error(const std::vector<TileError>& tiles, std::uint64_t samples);
 
 }  // namespace diaphane::render

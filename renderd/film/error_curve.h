@@ -12,15 +12,15 @@ struct ErrorPoint {
   double error = 0;           ///< estimated relative RMSE (error.h)
 };
 
-/// The error of one view as a function of rendering time and samples. It has a point for the first
-/// pass, the last one, and those between whose samples differ by at least 5%. So a log-log plot
-/// shows the whole curve, and the number of points grows only with the logarithm of the samples.
+/// The error of one view as a function of rendering time and samples. The curve has points for the
+/// first and the last pass, and for passes in between that differ by at least 5% in samples. A
+/// log-log plot thus shows all of it, and its size grows only with the logarithm of the samples.
 class ErrorCurve {
  public:
   static constexpr double kStep = 1.05;
 
   void clear() { points_.clear(); }
-  /// Ignores a pass whose error is unknown, and one without new samples.
+  /// Adds the point of a pass, unless its error is unknown or it has no new samples.
   void add(const ErrorPoint& point);
   const std::vector<ErrorPoint>& points() const { return points_; }
 

@@ -7,7 +7,7 @@
 // The accumulated picture. A launch sums its samples of a pixel in fp32 (a PixelBatch) and adds
 // them once to an fp64 sum, because an fp32 running mean of a sparse signal is off by 2.4% at 1e7
 // samples. The two halves, the even and the odd samples, are independent pictures. Their difference
-// shows how far the whole is from the truth.
+// shows how far the picture is from the converged one.
 
 namespace diaphane::render {
 
@@ -19,8 +19,8 @@ struct PixelBatch {
   bool hit_medium = false;
   bool hit_slice = false;
 
-  /// `sample` is the number of the sample since the film was cleared, and not its number in the
-  /// random stream. `slice` says that the sample shows a slice.
+  /// Adds a sample. `sample` is its number since the film was cleared, not its number in the random
+  /// stream. `met` says that it hit matter or a slice, `slice` that it shows a slice.
   HOST_DEVICE void add(Float3 radiance, bool met, std::uint64_t sample, bool slice = false) {
     hit_medium |= met;
     hit_slice |= slice;
@@ -33,8 +33,8 @@ struct PixelBatch {
   }
 };
 
-/// Three arrays over the pixels, rows from the top, 40 bytes per pixel. The sum needs fp64. The
-/// difference of the halves does not, because it is noise.
+/// Three arrays over the pixels, rows from the top, 40 bytes per pixel. The sum needs fp64. For the
+/// difference of the halves fp32 suffices, because it is noise.
 struct FilmView {
   double* sum;           ///< 3 per pixel: even + odd
   float* difference;     ///< 3 per pixel: even - odd
@@ -47,7 +47,7 @@ struct ConstFilmView {
   const std::uint32_t* state;
 };
 inline constexpr std::uint32_t kHitMedium = 1u << 31;
-/// Any sample of the pixel shows a slice, so the pixel is never smoothed.
+/// Set if any sample of the pixel shows a slice, so that the pixel is never denoised.
 inline constexpr std::uint32_t kShowsSlice = 1u << 30;
 inline constexpr std::uint32_t kDroppedMask = 0x7fff;
 
@@ -84,7 +84,8 @@ HOST_DEVICE float scaled_difference(double sum, float difference, double to_even
                             (sum - static_cast<double>(difference)) * to_odd);
 }
 
-/// `samples` is per pixel and includes dropped samples. `deviation` is 0 below two samples.
+/// Returns the estimate of a pixel. `samples` is per pixel and includes dropped samples.
+/// `deviation` is 0 unless both halves have a sample.
 HOST_DEVICE PixelEstimate estimate_of(const ConstFilmView& film, std::uint64_t pixel,
                                       std::uint64_t samples) {
   const std::uint32_t state = film.state[pixel];

@@ -5,18 +5,18 @@
 #include "renderd/math/half.h"
 #include "renderd/math/vector.h"
 
-// Features of the matter that is visible through a pixel, for the denoiser. They are known after a
-// few samples, when the picture is still noisy.
+// Features of the matter that is visible through a pixel, for the denoiser. A few samples suffice
+// to determine them, while the picture is still noisy.
 
 namespace diaphane::render {
 
-/// Number of samples of a film, counted from its first, that record guides. Guides show where edges
+/// Number of samples, from the first sample of a film, that record guides. Guides show where edges
 /// are, and further samples would add little.
 inline constexpr std::uint64_t kGuidedSamples = 4;
 
-/// The guides of one camera ray, or the mean over those of a pixel. All are zero where nothing is
-/// visible. All except the opacity are weighted by it, so that means over the samples of a pixel on
-/// an edge are right.
+/// The guides of one camera ray, or their mean over the samples of a pixel. All are zero where
+/// nothing is visible. All except the opacity are weighted by the opacity, so that the means are
+/// right for a pixel on an edge.
 struct Guides {
   float opacity;  ///< 1 - transmittance
   float depth;    ///< mm from the start of the camera ray: the mean over the visible matter
@@ -25,14 +25,14 @@ struct Guides {
 };
 
 /// The guides of a pixel in 6 bytes, which a session keeps while its pictures are denoised. From
-/// the lowest bit up they are depth over opacity as a half without its sign (15 bits), opacity in
-/// 31 steps (5), albedo in 31, 63 and 31 steps (16), and normal in 14 steps from -1 to 1 each (12).
-/// This is far finer than the differences that the filter treats as edges (DenoiseTuning).
+/// the lowest bit up: depth over opacity as a half without its sign (15 bits), the lowest bit of
+/// the opacity, albedo in 31, 63 and 31 steps (16), normal in 14 steps from -1 to 1 each (12), and
+/// the other bits of the opacity in 31 steps (4). All are far finer than an edge (DenoiseTuning).
 struct PackedGuides {
   std::uint16_t words[3];
 };
 
-/// Rounds `x` in [0, 1] to the nearest step.
+/// Returns the number of the step nearest to `x` in [0, 1].
 HOST_DEVICE std::uint32_t in_steps(float x, float steps) {
   return static_cast<std::uint32_t>(min(max(x, 0.0f), 1.0f) * steps + 0.5f);
 }
@@ -62,7 +62,7 @@ HOST_DEVICE Guides unpack(const PackedGuides& p) {
   Guides g{opacity, from_half(p.words[0] & 0x7fffu) * opacity, {}, {}};
   g.albedo = {steps(albedo & 31u, 31.0f), steps(albedo >> 5 & 63u, 63.0f),
               steps(albedo >> 11, 31.0f)};
-  // All zero marks a pixel of which nothing is known yet.
+  // The zeros of a cleared pixel would otherwise decode to the normal (-1, -1, -1).
   if (opacity > 0.0f) g.normal = {side(normal), side(normal >> 4), side(normal >> 8)};
   return g;
 }

@@ -8,12 +8,12 @@
 #include "renderd/film/film.h"
 #include "renderd/film/guides.h"
 
-// Data types for several devices that render one picture (thesis 5.1.2, 8.2): the share that a
-// device renders, and the part of the film that it hands over.
+// Data types for several devices that render one picture (thesis 5.1.2, 8.2): the share that one
+// device renders, and the part of its film that it hands over.
 
 namespace diaphane::render {
 
-/// Bands of rows begin at multiples of this, which is a multiple of every engine's unit of work.
+/// Bands begin at multiples of this number of rows, a multiple of every engine's unit of work.
 inline constexpr std::uint32_t kShareRows = 16;
 
 /// The share of a picture that one of several devices renders: some of the rows and some of the
@@ -22,8 +22,8 @@ struct Share {
   std::uint32_t first_row = 0;              ///< a multiple of kShareRows
   std::uint32_t last_row = kLongestCanvas;  ///< one past the last row; also a multiple of
                                             ///< kShareRows, or the picture's height
-  std::uint32_t part = 0, parts = 1;  ///< which part of how many in the sequence (SampleNumbers)
-  std::uint64_t sequence = 0;         ///< below 2^20; different sequences are independent
+  std::uint32_t part = 0, parts = 1;        ///< index and number of devices (SampleNumbers)
+  std::uint64_t sequence = 0;               ///< below 2^20; different sequences are independent
 
   bool operator==(const Share&) const = default;
 };
@@ -33,15 +33,15 @@ inline constexpr std::uint64_t kSequenceSamples = std::uint64_t{1} << 40;
 
 /// The accumulated samples of a pixel, packed into 10 bytes.
 ///
-/// `mean` is the mean of the finite samples. It has no sign, because radiance is not negative, 6
-/// bits of exponent (2^-40 to 2^23) and 10 bits of mantissa. It is rounded to nearest, so its
+/// `mean` is the mean of the finite samples. It has 6 bits of exponent (2^-40 to 2^23), 10 bits of
+/// mantissa, and no sign, because radiance is not negative. It is rounded to nearest, so its
 /// relative error is at most 2^-11. On the display this is x^(1/2.2) 2^-11 / 2.2 < 2.3e-4 of white
 /// and 1.3e-4 in the root mean square, which is invisible in a picture that is converged to 1%. The
 /// roundings of different parts are independent, so merging reduces the error.
 ///
 /// `half` is half the difference of the means of the two halves divided by twice the mean, within
-/// [-1, 1]: a sign, 5 bits of exponent and 2 bits of mantissa. It tells how noisy a pixel is, to 9%
-/// for one pixel and to 0.2% over a picture.
+/// [-1, 1]: a sign, 5 bits of exponent and 2 bits of mantissa. It gives the noise of one pixel to
+/// 9% and that of a picture to 0.2%.
 struct alignas(2) PackedPixel {
   std::uint16_t mean[3];
   std::uint8_t half[3];
@@ -51,30 +51,30 @@ struct alignas(2) PackedPixel {
   bool operator==(const PackedPixel&) const = default;
 };
 
-/// Pixels that remain in the memory of a device.
+/// The pixels of a part that remain in the memory of a device.
 struct PixelsOnDevice {
   virtual ~PixelsOnDevice() = default;
 };
 
-/// The samples of a band of rows since they were last taken.
+/// The samples that a band of rows accumulated since its previous part was taken.
 struct FilmPart {
   std::uint32_t width = 0;
   std::uint32_t first_row = 0, rows = 0;
   std::uint64_t samples = 0;  ///< per pixel; even, with the same number in both halves
   std::vector<PackedPixel> pixels;
-  /// The guides of the same pixels, or empty. Only a band has any, because a device records those
-  /// of a whole picture itself, and only while its first samples are in it.
+  /// The guides of the same pixels, or empty. Only a band brings guides, and only with its first
+  /// samples. For a whole picture, the receiving device records its own.
   std::vector<PackedGuides> guides = {};
   /// Replaces `pixels` and `guides` between engines of the same kind in this process.
   std::shared_ptr<const PixelsOnDevice> on_device = nullptr;
 };
 
-/// Whether [first_row, last_row) can be a share of a picture of `height` rows.
+/// Returns whether [first_row, last_row) can be a share of a picture of `height` rows.
 inline bool is_band(std::uint32_t first_row, std::uint32_t last_row, std::uint32_t height) {
   return first_row % kShareRows == 0 && first_row < last_row && last_row <= height &&
          (last_row % kShareRows == 0 || last_row == height);
 }
-/// Whether `part` can belong to a picture of this size.
+/// Returns whether `part` can belong to a picture of this size.
 inline bool fits(const FilmPart& part, Canvas size) {
   return part.width == size.width && part.rows <= size.height &&
          is_band(part.first_row, part.first_row + part.rows, size.height) &&
@@ -83,8 +83,8 @@ inline bool fits(const FilmPart& part, Canvas size) {
          (part.guides.empty() || part.guides.size() == std::size_t{part.width} * part.rows);
 }
 
-/// Packs x >= 0 as PackedPixel::mean. Below 2^-40 the result is 0, and from 2^24 it is the largest
-/// number.
+/// Packs x >= 0 as PackedPixel::mean. Below 2^-40 the result is 0, and from 2^24 on it is the
+/// largest number.
 HOST_DEVICE std::uint16_t pack_mean(float x) {
   union Bits {
     float f;
@@ -135,7 +135,7 @@ HOST_DEVICE std::uint8_t pack_relative_half(double even, double odd, float mean)
   return pack_half(min(max(r, -1.0f), 1.0f));
 }
 
-/// Packs a pixel of `samples` samples, an even number.
+/// Packs a pixel of `samples` samples, which is an even number.
 HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixel,
                                    std::uint64_t samples) {
   const std::uint32_t state = film.state[pixel];
@@ -162,8 +162,8 @@ HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixe
   return p;
 }
 
-/// Adds `p`, which has `samples` samples, to a pixel. A pixel that dropped more than 7 samples of a
-/// half is weighted slightly too high; its mean is right.
+/// Adds `p`, which has `samples` samples, to a pixel. If more than 7 samples of a half were
+/// dropped, the weight of `p` is slightly too high, but its mean is right.
 HOST_DEVICE void merge_pixel(const FilmView& film, std::uint64_t pixel, const PackedPixel& p,
                              std::uint64_t samples) {
   const std::uint32_t dropped_even = p.state & 7u, dropped_odd = p.state >> 3 & 7u;

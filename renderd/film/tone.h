@@ -7,9 +7,9 @@
 
 namespace diaphane::render {
 
-/// Returns x^(1/2.2) for x in [0, 1], with an absolute error below 3e-6 and 0 for 0. It has no
-/// branch and vectorises. powf would cost more than a sample, because the whole picture is
-/// converted several times per second.
+/// Returns x^(1/2.2) for x in [0, 1], with an absolute error below 3e-6 and 0 for 0. The function
+/// has no branch and vectorises. The whole picture is converted several times per second, and powf
+/// would make that more expensive than a sample.
 HOST_DEVICE float gamma_encode(float x) {
   union Bits {
     float f;
@@ -35,12 +35,12 @@ HOST_DEVICE float gamma_encode(float x) {
   return x > 0x1p-60f ? p * b.f : 0.0f;
 }
 
-/// The display curve: clip(x, 0, 1)^(1/2.2), or film_curve(x)^(1/2.2).
+/// Returns the display curve: clip(x, 0, 1)^(1/2.2), or film_curve(x)^(1/2.2).
 HOST_DEVICE float tone(float x, ToneCurve curve = ToneCurve::kLinear) {
   return gamma_encode(curve == ToneCurve::kFilmic ? film_curve(x) : min(max(x, 0.0f), 1.0f));
 }
 
-/// Converts `radiance` times `scale`, for example 2^exposure, to 8 bits by the tone curve.
+/// Converts `radiance` times `scale` (2^exposure, for example) to 8 bits by the display curve.
 HOST_DEVICE std::uint8_t to_display(float radiance, float scale,
                                     ToneCurve curve = ToneCurve::kLinear) {
   return static_cast<std::uint8_t>(tone(radiance * scale, curve) * 255.0f + 0.5f);

@@ -7,12 +7,12 @@
 // height-correlated masking: Heitz 2014; visible normals by spherical caps: Dupuy and Benyoub
 // 2023). All directions are unit vectors that point away from the surface, on the viewer's side.
 //
-// The Fresnel term is Schlick's with the value min(1, 50 F0) at grazing incidence, so that no lobe
-// is the limit of a faint one. What the lobe does not reflect reaches the Lambert part, on the way
-// in and out: (1 - F(view)) (1 - F(light)) diffuse / pi. This is reciprocal, and with a white
-// diffuse colour the surface reflects at most all light. It loses the light that facets would
-// scatter twice, and up to 1/21 of the light that enters, because the factors of view and light are
-// used alone (Ashikhmin and Shirley 2000 divide by their mean, which would exceed 1 here).
+// The Fresnel term is Schlick's with the value min(1, 50 F0) at grazing incidence, so that the
+// lobe vanishes as F0 approaches 0. What the lobe does not reflect reaches the Lambert part, on the
+// way in and out: (1 - F(view)) (1 - F(light)) / (1 - mean F) diffuse / pi (after Ashikhmin and
+// Shirley 2000). This is reciprocal, and with a white diffuse colour the surface reflects at most
+// all light. The model loses the light that facets would scatter twice, which matters for rough
+// lobes.
 
 namespace diaphane::render {
 
@@ -35,8 +35,8 @@ HOST_DEVICE Float3 fresnel(Float3 at_normal, float cosine) {
   return {one(at_normal.x), one(at_normal.y), one(at_normal.z)};
 }
 
-/// The reciprocal of the mean of 1 - F over the directions of a Lambert surface, slightly reduced.
-/// Otherwise a lobe of roughness 0.1 would bring the sum to 1.0018 at 50 degrees.
+/// Returns the reciprocal of the mean of 1 - F over the directions of a Lambert surface, slightly
+/// reduced. Without the reduction, a lobe of roughness 0.1 would reflect 1.0018 at 50 degrees.
 HOST_DEVICE Float3 shared(Float3 at_normal) {
   const auto one = [](float f) {
     const float grazing = min(1.0f, 50.0f * f);
@@ -46,8 +46,8 @@ HOST_DEVICE Float3 shared(Float3 at_normal) {
   return {one(at_normal.x), one(at_normal.y), one(at_normal.z)};
 }
 
-/// Distribution of the facets' normals, per steradian and projected area. The sine comes from the
-/// cross product, because 1 - cos^2 would lose all digits in a narrow lobe.
+/// Returns the GGX density of the facets' normals, per steradian and projected area. The sine comes
+/// from the cross product, because 1 - cos^2 would lose all digits in a narrow lobe.
 HOST_DEVICE float ggx(float roughness, Float3 normal, Float3 facet) {
   const Float3 c = cross(normal, facet);
   const float a2 = roughness * roughness;
@@ -56,13 +56,13 @@ HOST_DEVICE float ggx(float roughness, Float3 normal, Float3 facet) {
   return a2 / (kPi * d * d);
 }
 
-/// The term sqrt(a^2 + (1 - a^2) cos^2) of Smith's masking.
+/// Returns the term sqrt(a^2 + (1 - a^2) cos^2) of Smith's masking function.
 HOST_DEVICE float ggx_masking(float roughness, float cosine) {
   const float a2 = roughness * roughness;
   return sqrtf(a2 + (1.0f - a2) * cosine * cosine);
 }
 
-/// The fraction of samples that the lobe gets.
+/// Returns the probability with which sample_brdf() samples the lobe.
 HOST_DEVICE float lobe_share(const Brdf& b, float cosine) {
   const Float3 f = fresnel(b.specular, cosine);
   const float lobe = max_component(f);
@@ -84,7 +84,7 @@ HOST_DEVICE Float3 sample_visible_normal(const Brdf& b, float u, float v) {
   return normalize(s * (a * h.x) + t * (a * h.y) + b.normal * max(h.z, 1e-7f));
 }
 
-/// The BRDF times the cosine, per steradian. `Lobe`: there may be a specular lobe.
+/// Returns the BRDF times the cosine, per steradian. `Lobe` says whether there may be a lobe.
 template <bool Lobe>
 HOST_DEVICE Float3 evaluate_brdf(const Brdf& b, Float3 light) {
   const float out = dot(b.normal, light);
@@ -105,8 +105,8 @@ HOST_DEVICE Float3 evaluate_brdf(const Brdf& b, Float3 light) {
   }
 }
 
-/// The density of sample_brdf() in the direction `light`, per steradian. Its integral is below 1 if
-/// the lobe is wide, because a path that goes below the surface ends.
+/// Returns the density of sample_brdf() in the direction `light`, per steradian. Its integral is
+/// below 1 if the lobe is wide, because sampled directions below the surface have no density.
 template <bool Lobe>
 HOST_DEVICE float brdf_density(const Brdf& b, Float3 light) {
   const float out = dot(b.normal, light);
@@ -125,8 +125,8 @@ HOST_DEVICE float brdf_density(const Brdf& b, Float3 light) {
   }
 }
 
-/// Samples the direction in which the path continues. It can lie below the surface, where the path
-/// ends, only if the lobe was sampled.
+/// Samples the direction in which the path continues. A direction sampled from the lobe can lie
+/// below the surface, where the path ends.
 template <bool Lobe>
 HOST_DEVICE Float3 sample_brdf(const Brdf& b, float u, float v) {
   if constexpr (Lobe) {

@@ -6,7 +6,7 @@
 
 namespace diaphane::render {
 
-/// The purpose of a ray. Light may pass through places that the clip hides from the camera
+/// The purpose of a ray. Rays to a light may cross matter that the clip hides from the camera
 /// (ClipView::light_count).
 enum class RayKind { kCamera, kLight };
 
@@ -38,11 +38,11 @@ HOST_DEVICE Span clip_span([[maybe_unused]] const SceneView<Volume>& scene,
   return span;
 }
 
-/// Distance beyond a plane of the clip at which a place still counts as kept, mm. So a slice in a
-/// face of the clip box is visible despite rounding.
+/// Distance beyond a plane of the clip up to which a place counts as kept, mm. The tolerance keeps
+/// a slice in a face of the clip box visible despite rounding.
 inline constexpr float kClipTolerance = 1e-3f;
 
-/// Whether the clip keeps `place`, in voxel indices.
+/// Returns whether the clip keeps `place`, in voxel indices.
 template <Features F, typename Volume>
 HOST_DEVICE bool is_kept([[maybe_unused]] const SceneView<Volume>& scene,
                          [[maybe_unused]] Float3 place) {

@@ -8,13 +8,13 @@
 #include "renderd/math/points.h"
 #include "renderd/math/random.h"
 
-// Next-event estimation: rays from a collision to the lights, without their transmittance. This
-// code does not depend on how the estimator computes it (tracked or exact).
+// Next-event estimation: rays from a collision to the lights. The estimator computes their
+// transmittance, by tracking or by the exact walk, and this code does not depend on which.
 //
 // Direct light is the sum of the estimates of the strategies below, each of which may have any
-// number of samples. If two of them can find the same light, each counts only its share (multiple
-// importance sampling by the power heuristic: Veach 1997, 9.2.4), or one of them counts fully,
-// according to `Mis`.
+// number of samples. If two strategies can find the same light, `Mis` decides whether each counts
+// only its share (multiple importance sampling by the power heuristic: Veach 1997, 9.2.4) or one of
+// them counts fully.
 
 namespace diaphane::render {
 
@@ -30,12 +30,12 @@ struct LightRay {
 enum class Strategy : std::uint32_t {
   kAreaLight,           ///< a point on a light of finite size
   kAreaLightByScatter,  ///< a direction sampled from the scattering, which may meet such a light
-  kEnvironment,         ///< a direction sampled from it, to the environment
+  kEnvironment,         ///< a direction sampled from the scattering, to the environment
   kEnvironmentMap,      ///< a direction sampled from the environment's textures
 };
 
-/// Whether scattering directions can find a light better than points on that light. With the
-/// isotropic phase function they cannot.
+/// Whether directions sampled from the scattering can find a light better than points sampled on
+/// that light. The isotropic phase function cannot.
 template <Features F>
 inline constexpr bool kMixes = F.has(Feature::kAnisotropicPhase) || F.has(Feature::kSurfaces);
 
@@ -132,13 +132,13 @@ HOST_DEVICE LightRay area_light_ray_by_scatter(const SceneView<Volume>& scene, F
           (share(scene.mis, Mis::kScatter, s.density, hit.density) / light.probability));
 }
 
-/// A light of finite size in a direction that was drawn from the scattering distribution with
-/// density `density`: its radiance and distance, or black if there is none. `u` chooses the light
-/// to test. A path that continues in this direction needs no further ray.
+/// The light of finite size that a ray meets; black if the ray meets none.
 struct MetLight {
-  Float3 radiance;  ///< over the probability of being asked
+  Float3 radiance;  ///< divided by the probability of testing this light
   float distance;   ///< mm
 };
+/// Returns the light of finite size in a direction sampled from the scattering with the density
+/// `density`. `u` chooses the light to test. A path that continues there needs no further ray.
 template <Features F, typename Volume>
 HOST_DEVICE MetLight area_light_by_scatter(const SceneView<Volume>& scene, Float3 place,
                                            Float3 direction, float density,
@@ -154,9 +154,9 @@ HOST_DEVICE MetLight area_light_by_scatter(const SceneView<Volume>& scene, Float
       hit.distance};
 }
 
-/// Returns the light of the environment in a direction sampled from the scattering with density
-/// `density`. Without kMixes its textures are left to environment_map_ray(), unless only directions
-/// of the scattering are sampled (Mis::kScatter).
+/// Returns the light of the environment in a direction sampled from the scattering with the density
+/// `density`. Without kMixes, environment_map_ray() alone samples the textures, unless only
+/// directions of the scattering are sampled (Mis::kScatter).
 template <Features F, typename Volume>
 HOST_DEVICE Float3 environment_by_scatter(const SceneView<Volume>& scene, Float3 direction,
                                           float density) {
@@ -219,7 +219,7 @@ HOST_DEVICE LightRay light_ray(const SceneView<Volume>& scene, Float3 place,
   return {};
 }
 
-/// Whether a strategy can find any light in this scene. Otherwise it needs no samples.
+/// Returns whether a strategy can find any light in this scene. If not, it needs no samples.
 template <Features F, typename Volume>
 HOST_DEVICE bool is_of_use(const SceneView<Volume>& scene, Strategy strategy) {
   const LightsView& lights = scene.lights;

@@ -8,12 +8,12 @@
 
 namespace diaphane::render {
 
-/// All maps together in one direction.
+/// The sum over all maps in one direction.
 struct MapsHit {
   Float3 radiance;
   float density;  ///< density of sample_maps(), per steradian
 };
-/// `direction` is a unit vector in the volume's frame.
+/// Returns the sum of the maps along `direction`, a unit vector in the volume's frame.
 HOST_DEVICE MapsHit meet_maps(const LightsView& lights, Float3 direction) {
   MapsHit hit{};
   for (std::uint32_t i = 0; i < lights.map_count; ++i) {
@@ -37,8 +37,8 @@ HOST_DEVICE Float3 sample_maps(const LightsView& lights, float u, float v) {
   return map.right * d.x + map.middle * d.y + map.up * d.z;
 }
 
-/// Returns the radiance of a camera ray that leaves the volume; `direction` is a unit vector, mm,
-/// and `off_centre` that of the CameraRay.
+/// Returns the radiance of a camera ray that leaves the volume. `direction` is a unit vector in mm,
+/// and `off_centre` is CameraRay::off_centre.
 template <Features F, typename Volume>
 HOST_DEVICE Float3 escape_radiance(const SceneView<Volume>& scene, Float3 direction,
                                    float off_centre) {

@@ -18,9 +18,9 @@ namespace diaphane::render {
 /// One estimate of one pixel's radiance.
 struct Sample {
   Float3 radiance;
-  /// Whether the camera ray met matter or a slice. The error counts only such pixels.
+  /// Whether the camera ray met matter or a slice. Only such pixels count for the error.
   bool hit_medium;
-  bool shows_slice = false;  ///< exact, so never denoised
+  bool shows_slice = false;  ///< whether the pixel shows a slice, which is never denoised
 };
 /// A sample of a kernel with Feature::kGuides.
 struct GuidedSample : Sample {
@@ -54,8 +54,8 @@ HOST_DEVICE float tracked_visibility(const SceneView<Volume>& scene, Float3 plac
 /// than the time it saves is worth.
 inline constexpr std::uint32_t kFirstRoulette = 3;
 
-/// Returns the radiance that the first collision of a path, at `place` (voxel indices), scatters of
-/// light that was scattered before. This is an unbiased estimate of all light from second and later
+/// Returns the indirect light that the first collision of a path, at `place` (voxel indices),
+/// scatters along the path. This is an unbiased estimate of all light from second and later
 /// collisions, including their own emission. Light that reaches the first collision directly from
 /// the lights is not included.
 ///

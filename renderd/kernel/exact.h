@@ -13,16 +13,16 @@
 #include "renderd/math/random.h"
 
 // The exact walk: single scattering without tracking. It walks a camera ray once, through every
-// cell between voxel centres, and computes the optical depth exactly. So it can place several
-// collisions, one in each stratum of the ray's opacity, which tracking cannot do. Each collision
-// samples light along one ray whose transmittance is exact as well. Only the place in the pixel,
+// cell between voxel centres, and computes the optical depth exactly. Unlike tracking, it can
+// therefore place several collisions, one in each stratum of the ray's opacity. Each collision
+// samples light along one ray, whose transmittance is exact as well. Only the place in the pixel,
 // the offset of the strata and the points on the lights remain random.
 
 namespace diaphane::render {
 
-/// Beyond this optical depth, a ray is continued by chance: it ends with the same probability as
-/// light. Measured on the cranium scene, going from 5 to 2 raises the error by 3% and lowers the
-/// time by 18% (docs/performance.md).
+/// Beyond this optical depth, Russian roulette ends a ray with the probability that light collides
+/// there. On the cranium scene, 2 instead of 5 raises the error by 3% and lowers the time by 18%
+/// (docs/performance.md).
 #if !defined(DIAPHANE_CERTAIN_DEPTH)
 #define DIAPHANE_CERTAIN_DEPTH 2.0f
 #endif
@@ -32,24 +32,24 @@ inline constexpr float kCertainDepth = DIAPHANE_CERTAIN_DEPTH;
 template <Features F, typename Volume>
 class DepthWalk {
  public:
-  DepthWalk() = default;  ///< to be assigned to
+  DepthWalk() = default;  ///< uninitialised; assign before use
   HOST_DEVICE DepthWalk(const Ray& ray, Span span, const Volume& volume, const ExactView& exact)
       : walk_(ray, span, volume, exact) {}
 
   HOST_DEVICE bool ended() const { return walk_.ended(); }
-  /// The exact optical depth up to the current position.
+  /// Returns the exact optical depth up to the current position.
   HOST_DEVICE float depth() const { return depth_; }
 
-  /// Takes one step, unless the walk has ended. Returns true if it finished the cell `c`.
+  /// Takes one step of a walk that has not ended. Returns true if it finished the cell `c`.
   HOST_DEVICE bool step(const Volume& volume, const ExactView& exact, CellCrossing<Volume>& c) {
     if (!in_parts()) return step_cell(volume, exact, c);
     if (at_new_parts()) begin_parts(volume, exact);
     return step_part(volume, exact, c);
   }
 
-  // The same step in three functions, so that a GPU can group rays in the same state. in_parts()
-  // says whether the walk is in a cell whose values span several pieces of the function, which
-  // costs much.
+  // The functions below split step(), so that a GPU can group rays in the same state. in_parts()
+  // returns whether the walk is in a cell whose values span several pieces of the extinction
+  // function. Such cells are expensive.
   HOST_DEVICE bool in_parts() const {
     if constexpr (kCurved) return parts_.state != Parts::kNone;
     return false;
@@ -58,7 +58,7 @@ class DepthWalk {
     if constexpr (kCurved) return parts_.state == Parts::kNew;
     return false;
   }
-  /// Crosses a cell or empty bricks, or stops at a cell of several pieces.
+  /// Crosses a cell or empty bricks, or stops at a cell of several pieces. Returns true for a cell.
   HOST_DEVICE bool step_cell(const Volume& volume, const ExactView& exact,
                              CellCrossing<Volume>& c) {
     walk_.compute_crossing(c);
@@ -76,7 +76,7 @@ class DepthWalk {
     walk_.pass(c, volume, exact);
     return !gap;
   }
-  /// Prepares the first piece of such a cell.
+  /// Begins to walk the pieces of the cell at which step_cell() stopped.
   HOST_DEVICE void begin_parts(const Volume& volume, const ExactView& exact) {
     if constexpr (kCurved) {
       CellCrossing<Volume> c;
@@ -111,19 +111,19 @@ class DepthWalk {
   [[no_unique_address]] std::conditional_t<kCurved, Parts, NoParts> parts_;
 };
 
-/// The transmittance along a ray. Unbiased, and exact up to kCertainDepth.
+/// Estimates the transmittance along a ray, without bias and exactly up to kCertainDepth.
 template <Features F, typename Volume>
 class TransmittanceWalk : public DepthWalk<F, Volume> {
  public:
-  TransmittanceWalk() = default;  ///< to be assigned to
-  /// `ending` is an exponential variate.
+  TransmittanceWalk() = default;  ///< uninitialised; assign before use
+  /// `ending` is an exponential variate, which decides where roulette ends the ray.
   HOST_DEVICE TransmittanceWalk(const Ray& ray, Span span, const Volume& volume,
                                 const ExactView& exact, float ending)
       : DepthWalk<F, Volume>(ray, span, volume, exact), dark_(kCertainDepth + ending) {}
 
-  /// Ends earlier than the walk itself if no light is left.
+  /// Returns true earlier than the walk itself if no light is left.
   HOST_DEVICE bool ended() const { return DepthWalk<F, Volume>::ended() || this->depth() >= dark_; }
-  /// Requires that the walk has ended.
+  /// Returns the estimate. Requires that the walk has ended.
   HOST_DEVICE float transmittance() const {
     return this->depth() >= dark_ ? 0.0f : expf(-min(this->depth(), kCertainDepth));
   }
@@ -141,9 +141,9 @@ struct Hit {
   float value;
 };
 
-/// By how much the first strata of a ray's opacity are narrower than their mean, and the last ones
-/// wider. Places behind other matter get less light, so errors there are smaller. Measured on the
-/// cranium scene (docs/performance.md).
+/// The fraction by which the first strata of a ray's opacity are narrower than their mean, and the
+/// last ones wider. Places behind other matter get less light, so errors there are smaller. The
+/// value was measured on the cranium scene (docs/performance.md).
 #if !defined(DIAPHANE_STRATA_TILT)
 #define DIAPHANE_STRATA_TILT 0.4f
 #endif
@@ -153,7 +153,7 @@ inline constexpr float kStrataTilt = DIAPHANE_STRATA_TILT;
 struct OpacityStratum {
   float begin, width;
 
-  /// Stratum `number` of `count`.
+  /// Makes stratum `number` of `count`.
   HOST_DEVICE OpacityStratum(std::int32_t number, std::int32_t count) {
     const float one = 1.0f / static_cast<float>(count), x = static_cast<float>(number) * one;
     begin = x * (1.0f - kStrataTilt + kStrataTilt * x);
@@ -162,8 +162,8 @@ struct OpacityStratum {
 };
 
 /// Returns the optical depth at which the collision of a kind in stratum `number` of `count` is
-/// placed. `offset` in (0, 1) is the same for all strata but counts from the end of every other
-/// one. Light falls off with depth, so the errors of neighbouring strata partly cancel.
+/// placed. All strata share `offset` in (0, 1), but every second stratum counts it from its end.
+/// Light falls off with depth, so the errors of neighbouring strata partly cancel.
 HOST_DEVICE float target_depth(std::int32_t number, std::int32_t count, float offset) {
   const OpacityStratum stratum(number, count);
   const float share = (number & 1) != 0 ? 1.0f - offset : offset;
@@ -189,14 +189,14 @@ HOST_DEVICE constexpr KindList hit_kinds() {
   constexpr StrategyList kLight = strategies<F>();
   for (std::uint32_t i = 0; i < kLight.count; ++i)
     list.of[list.count++] = static_cast<int>(kLight.of[i]);
-  // Glowing matter is visible without any light.
+  // Glowing matter is visible without any light, so some kind must look for collisions.
   if (list.count == 0) list.of[list.count++] = static_cast<int>(Strategy::kEnvironment);
   if (F.has(Feature::kBounces)) list.of[list.count++] = kIndirect;
   return list;
 }
 
-/// If the rays of a warp are in two states, the smaller group waits on a GPU. Returns whether this
-/// ray, which is in the state `one`, continues.
+/// Returns whether a ray in the state `one` continues now. On a GPU, the rays of a warp can be in
+/// two states, and the smaller group waits.
 HOST_DEVICE bool has_turn([[maybe_unused]] bool one) {
 #if defined(__CUDA_ARCH__)
   const unsigned here = __activemask();
@@ -214,8 +214,8 @@ struct HitNumber {
 };
 
 /// Finds the collisions of the camera ray in each stratum. Calls `mark(number, cell, depth)` for
-/// each existing one in order, with the crossing that contains it and the optical depth from there
-/// to the collision (place_in_cell() finds its position). `target(number)` is target_depth().
+/// each existing one in order, with the crossing that contains it and the optical depth from the
+/// entry to the collision (place_in_cell() finds its position). `target(number)` is target_depth().
 /// `ending` is an exponential variate.
 template <Features F, typename Volume, typename Target, typename Mark>
 HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,

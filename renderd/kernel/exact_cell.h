@@ -4,10 +4,10 @@
 #include "renderd/math/vector.h"
 
 // Exact extinction and optical depth in one cell between voxel centres. Along a ray through the
-// cell the interpolated value is a cubic. So wherever the extinction is linear in the value, two
-// Gauss points integrate it without error. A cell whose values span several linear pieces of the
-// extinction function is split where the cubic crosses their borders. A border misplaced by d
-// causes an error of the order of d^2, since the function is continuous there.
+// cell, the interpolated value is a cubic. Wherever the extinction is linear in the value, two
+// Gauss points therefore integrate it without error. A cell whose values span several linear pieces
+// of the extinction function is split where the cubic crosses their borders. A border misplaced by
+// d causes an error of the order of d^2, since the function is continuous there.
 
 namespace diaphane::render {
 
@@ -47,7 +47,7 @@ HOST_DEVICE float extinction_in(const ExtinctionPiece& piece, float value) {
 /// First node of the two-point Gauss quadrature on [0, 1]; the second one is its mirror image.
 inline constexpr float kGaussNode = 0.21132486540518713f;
 
-/// Returns the optical depth from ta to tb. Exact if all values between lie in the piece.
+/// Returns the optical depth from ta to tb, exactly if all values in between lie in the piece.
 HOST_DEVICE float depth_between(const Corners& corners, const Crossing& segment,
                                 const ExtinctionPiece& piece, float ta, float tb) {
   const float length = tb - ta;
@@ -56,8 +56,8 @@ HOST_DEVICE float depth_between(const Corners& corners, const Crossing& segment,
   return 0.5f * length * (a + b);
 }
 
-/// Returns the distance in [ta, tb] at which the optical depth from ta reaches `target` <=
-/// depth_between(...). Inverts a quartic by Newton steps within a bracket.
+/// Returns the distance in [ta, tb] at which the optical depth from ta reaches `target`. `target`
+/// is at most depth_between(). Inverts a quartic by Newton steps within a bracket.
 HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& segment,
                                const ExtinctionPiece& piece, float ta, float tb, float target) {
   const float length = tb - ta;
@@ -77,8 +77,8 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& segment,
     const float depth =
         length * s * (e0 + s * (c1 * 0.5f + s * (c2 * (1.0f / 3) + s * (c3 * 0.25f))));
     const float excess = depth - target;
-    // This test comes before the bracket moves, since a correct position would otherwise become its
-    // border and be left again.
+    // This test comes before the bracket moves. Otherwise a correct position would become an end of
+    // the bracket, and bisection would leave it again.
     if (fabsf(excess) <= 1e-6f * target) break;
     if (excess > 0.0f) {
       high = s;
@@ -97,7 +97,7 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& segment,
 struct ValueCubic {
   float c0, c1, c2, c3;
 
-  ValueCubic() = default;  ///< to be assigned to
+  ValueCubic() = default;  ///< uninitialised; assign before use
   HOST_DEVICE ValueCubic(const Corners& c, const Crossing& segment) {
     const float length = segment.t1 - segment.t0;
     const Float3 p = segment.at(segment.t0), d = segment.direction * length;
@@ -117,8 +117,8 @@ struct ValueCubic {
   HOST_DEVICE float at(float s) const { return c0 + s * (c1 + s * (c2 + s * c3)); }
   HOST_DEVICE float derivative(float s) const { return c1 + s * (2.0f * c2 + s * 3.0f * c3); }
 
-  /// The control points in Bernstein form. The values of the cubic on [0, 1] lie between theirs,
-  /// and it is monotone if they are.
+  /// The control points in Bernstein form. They bound the values of the cubic on [0, 1], and the
+  /// cubic is monotone if they are.
   struct Hull {
     float first, second, third, last;
 
@@ -136,7 +136,7 @@ struct ValueCubic {
     return {c0, second, second + third + c2 * (1.0f / 3), c0 + c1 + c2 + c3};
   }
 
-  /// Computes its extrema within (0, 1) in ascending order; 1 stands for none.
+  /// Computes the extrema of the cubic within (0, 1) in ascending order; 1 stands for none.
   HOST_DEVICE void turns(float& first, float& second) const {
     first = second = 1.0f;
     const float a = 3.0f * c3, b = c2, c = c1;  // a s^2 + 2 b s + c
@@ -150,9 +150,9 @@ struct ValueCubic {
     second = max(r, s);
   }
 
-  /// Returns where it reaches `value` between a and b. It must be monotone there, with the values
-  /// `from` and `to` at the ends. The error of at most 3e-5 affects the optical depth by the order
-  /// of its square.
+  /// Returns the s between a and b at which the cubic reaches `value`. The cubic must be monotone
+  /// there, with the values `from` and `to` at the ends. The error of at most 3e-5 affects the
+  /// optical depth by the order of its square.
   HOST_DEVICE float meets(float value, float a, float from, float b, float to) const {
     const bool rising = to > from;
     float s = a + (b - a) * quotient_near(value - from, to - from);
@@ -175,8 +175,8 @@ struct ValueCubic {
   }
 };
 
-/// Walks the parts of a crossing in which the extinction is linear in the value, in order. They are
-/// the successive pieces along each segment on which the value is monotone.
+/// Walks, in order, the parts of a crossing in which the extinction is linear in the value. A part
+/// ends where the value enters another piece of the extinction or turns.
 class PartsWalk {
  public:
   struct Part {
@@ -184,7 +184,7 @@ class PartsWalk {
     float begin, end;  ///< s of ValueCubic
   };
 
-  PartsWalk() = default;  ///< to be assigned to
+  PartsWalk() = default;  ///< uninitialised; assign before use
   HOST_DEVICE PartsWalk(const Corners& corners, const Crossing& segment, const ExactView& exact)
       : cubic_(corners, segment) {
     const ValueCubic::Hull hull = cubic_.hull();
@@ -192,7 +192,7 @@ class PartsWalk {
     piece_ = exact.piece_at(cubic_.c0);
     const bool falls = cubic_.at(leg_end_) < cubic_.c0;
     if (falls && piece_ > 0 && cubic_.c0 <= exact.pieces[piece_].begin) --piece_;
-    // The values along the ray span less than those of the cell, often a single piece.
+    // The values along the ray span less than those of the cell, and often lie in a single piece.
     const ValueSpan range = hull.range();
     const ExtinctionPiece piece = exact.pieces[piece_];
     if (range.low >= piece.begin && range.high <= piece.end) leg_end_ = next_turn_ = 1.0f;
@@ -204,8 +204,8 @@ class PartsWalk {
     at_ = max(at_, part.end);
     return part;
   }
-  /// Returns the optical depth of a part of a crossing that is `length` mm long. Exact, since a
-  /// cubic is integrated.
+  /// Returns the optical depth of a part of a crossing that is `length` mm long. The result is
+  /// exact, because the extinction along a part is a cubic.
   HOST_DEVICE float depth_of(const Part& part, float length) const {
     const float share = part.end - part.begin;
     const float a = extinction_in(part.piece, cubic_.at(part.begin + kGaussNode * share));
@@ -249,7 +249,7 @@ HOST_DEVICE float depth_in(const ExtinctionPiece& piece, const Corners& corners,
 }
 
 /// Returns the distance at which the optical depth from segment.t0 reaches `target`, which is at
-/// most that of the cell.
+/// most the optical depth of the crossing.
 template <bool Curves>
 HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& segment,
                                 const ExactView& exact, float target) {

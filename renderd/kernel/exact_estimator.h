@@ -28,19 +28,19 @@ struct CameraSample {
   }
 };
 
-/// The work for a hit: its own contribution and a ray to a light, whose transmittance times
-/// `weight` is the other part.
+/// The work for a hit. Its light is `radiance` plus `weight` times the transmittance along a ray to
+/// a light.
 struct HitTask {
-  Float3 radiance;  ///< contribution without that ray
+  Float3 radiance;  ///< emission and indirect light, which need no ray to a light
   Float3 weight;
   Ray ray;
   Span span;
-  float ending;  ///< for TransmittanceWalk
+  float ending;  ///< exponential variate for TransmittanceWalk
   bool lit;
 };
 
-/// Makes the task of stratum `stratum` of the hits of `kind`. `random` belongs to the sample. Each
-/// stratum draws from its own stream, so that the order of the strata does not matter.
+/// Returns the task of stratum `stratum` of the hits of `kind`. `random` belongs to the sample.
+/// Each stratum draws from its own stream, so that the order of the strata does not matter.
 template <Features F, typename Volume>
 HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& camera,
                             const Points& points, const Random& random, int kind,
@@ -82,11 +82,11 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
   return task;
 }
 
-/// Stream of Random::fork for the camera ray, which no stratum of a hit uses.
+/// The stream of Random::fork() for the camera ray. No stratum of a hit uses this number.
 inline constexpr std::uint32_t kCameraStream = 0xffffffu;
 
 /// Returns the position in (0, 1) within the strata at which a sample places the hits of a kind.
-/// `own` is forked for the camera ray; the kinds must be requested in order.
+/// `own` is forked for the camera ray. Callers must request the kinds in order.
 template <Features F, typename Volume>
 HOST_DEVICE float stratum_offset(const SceneView<Volume>& scene,
                                  const CameraSample<F, Volume>& sample, int kind, Random& own) {
@@ -95,7 +95,7 @@ HOST_DEVICE float stratum_offset(const SceneView<Volume>& scene,
              : sample.points.pair(Points::kDepth + static_cast<std::uint32_t>(kind)).a;
 }
 
-/// Walks the camera ray of one sample. Returns FirstWalk and marks its hits (find_hits).
+/// Walks the camera ray of one sample with find_hits(), which calls `mark` for each hit.
 template <Features F, typename Volume, typename Target, typename Mark>
 HOST_DEVICE FirstWalk walk_camera_ray(const SceneView<Volume>& scene,
                                       const CameraSample<F, Volume>& sample, Target&& target,

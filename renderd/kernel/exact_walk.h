@@ -12,7 +12,7 @@ struct CellCrossing {
   Crossing segment;
   Int3 cell;
   typename Volume::Brick brick;
-  Float3 planes;  ///< distance at which the ray leaves it along each axis, mm
+  Float3 planes;  ///< distance at which the ray leaves the cell along each axis, mm
 };
 
 /// Walks the cells between voxel centres along a ray in order and skips empty bricks. Cell (i, j,
@@ -20,13 +20,13 @@ struct CellCrossing {
 /// to the number of voxels, and likewise along y and z.
 ///
 /// Cells are counted in integers. A distance is computed from an integer plane instead of the
-/// previous distance, and never decreases. So all rays end, even along axes, through edges and
-/// corners, from inside and with zero components. A component of zero is replaced by 1e-20, which
-/// reaches no plane.
+/// previous distance, and never decreases. Therefore all rays end, even rays that start inside, run
+/// along axes or pass through edges and corners. A direction component of zero is replaced by
+/// 1e-20, which reaches no plane.
 template <typename Volume>
 class ExactWalk {
  public:
-  ExactWalk() = default;  ///< to be assigned to
+  ExactWalk() = default;  ///< uninitialised; assign before use
   HOST_DEVICE ExactWalk(const Ray& ray, Span span, const Volume& volume, const ExactView& exact)
       : origin_(ray.origin + Float3{0.5f, 0.5f, 0.5f}),
         direction_{away_from_zero(ray.direction.x), away_from_zero(ray.direction.y),
@@ -46,14 +46,14 @@ class ExactWalk {
   }
 
   HOST_DEVICE bool ended() const { return !(t_ < last_); }
-  /// Whether the ray is at a cube of empty bricks; otherwise it is at a cell. Requires that the
-  /// walk has not ended.
+  /// Returns whether the ray is at a cube of empty bricks and not at a cell. Requires that the walk
+  /// has not ended.
   HOST_DEVICE bool in_gap() const { return skip_ != 0; }
 
   /// Computes the segment in the current cell or cube.
   HOST_DEVICE void compute_crossing(CellCrossing<Volume>& out) const {
     const Int3 far = far_cell();
-    // A single rounding each if the processor has a fused multiply-add.
+    // With a fused multiply-add, each component is rounded only once.
     out.planes = as_numbers(far) * inverse_ + bias_;
     const float leaves = fast_min(out.planes.x, fast_min(out.planes.y, out.planes.z));
     out.segment = {origin_ - as_numbers(cell_), direction_, t_,
@@ -65,7 +65,7 @@ class ExactWalk {
   /// because the rays of a warp leave through different sides.
   HOST_DEVICE void pass(const CellCrossing<Volume>& at, const Volume& volume,
                         const ExactView& exact) {
-    // Nothing beyond last_ is visited.
+    // The segment ends at last_ at the latest, so no cell beyond last_ is visited.
     t_ = at.segment.t1;
     const Int3 far = far_cell();
     const Float3 p = origin_ + direction_ * t_;
@@ -85,15 +85,15 @@ class ExactWalk {
   }
   HOST_DEVICE static float ahead(float direction) { return direction > 0.0f ? 1.0f : 0.0f; }
   HOST_DEVICE static std::int32_t sign(float direction) { return direction > 0.0f ? 1 : -1; }
-  /// The comparison maps positions below the grid and NaN to 0.
+  /// Returns the cell that contains `p`. The comparison maps positions below the grid and NaN to 0.
   HOST_DEVICE static std::int32_t cell_at(float p, std::int32_t size) {
     return p > 0.0f ? static_cast<std::int32_t>(min(p, static_cast<float>(size))) : 0;
   }
   HOST_DEVICE static Float3 as_numbers(Int3 i) {
     return {static_cast<float>(i.x), static_cast<float>(i.y), static_cast<float>(i.z)};
   }
-  /// Returns the last cell along each axis that the ray can meet before it leaves; for a cube, its
-  /// far end.
+  /// Returns the last cell along each axis that the ray can meet before it leaves the current cell
+  /// or cube.
   HOST_DEVICE Int3 far_cell() const {
     const bool gap = in_gap();
     const std::int32_t rest = gap ? kBrickSize - 1 : 0, bricks = gap ? (skip_ - 1) * kBrickSize : 0;
@@ -103,9 +103,9 @@ class ExactWalk {
     return {along(cell_.x, direction_.x), along(cell_.y, direction_.y),
             along(cell_.z, direction_.z)};
   }
-  /// Returns the cell along an axis on which the ray did not leave. In a cube it is computed from a
-  /// rounded position, which may be one cell back. It must never decrease, or a ray through a
-  /// corner would not end.
+  /// Returns the next cell along an axis along which the ray did not leave. In a cube, the rounded
+  /// position may lie in a cell that the ray has passed. The walk must never go back, or rays
+  /// through corners would not end.
   HOST_DEVICE std::int32_t beside(float direction, std::int32_t cell, float p) const {
     const auto there = static_cast<std::int32_t>(floorf(p));
     const std::int32_t on = direction > 0.0f ? max(cell, there) : min(cell, there);
@@ -125,7 +125,7 @@ class ExactWalk {
   }
 
   Float3 origin_, direction_, inverse_;  ///< in cells
-  Float3 bias_;  ///< distances at which the ray meets the planes of the cell at 0, mm
+  Float3 bias_;  ///< distances at which the ray leaves the cell at index 0, mm
   float t_, last_;
   Int3 cell_;
   std::int32_t octant_;  ///< offset of the ray's octant in ExactView::skips

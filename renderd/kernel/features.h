@@ -8,23 +8,23 @@ namespace diaphane::render {
 
 /// The features of the kernel that a scene may need. A variant of the kernel is compiled for a set
 /// of features and contains no code for others. A variant with more features than a scene needs
-/// gives the same estimate, which a test checks, so a general variant can replace any other.
+/// gives the same estimate (a test checks this), so a general variant can replace any other.
 enum class Feature : std::uint32_t {
   kAreaLights,           ///< at least one light of finite size
-  kManyLights,           ///< more than one of them, so that a light is sampled by its power
-  kShapedLights,         ///< a disk or a sphere among them
-  kTexturedLights,       ///< a texture on one of them
+  kManyLights,           ///< several lights of finite size, sampled in proportion to their power
+  kShapedLights,         ///< a light that is a disk or a sphere
+  kTexturedLights,       ///< a light of finite size with a texture
   kEnvironment,          ///< light from all directions
   kTexturedEnvironment,  ///< environment light that differs by direction
   kAnisotropicPhase,     ///< Henyey-Greenstein with g other than 0
   kSurfaces,             ///< scattering at surfaces, which needs gradients
-  kHybrid,               ///< by surfaces or the phase function, chosen by the gradient
+  kHybrid,               ///< the gradient decides between surface and phase function
   kGloss,                ///< surfaces with a specular lobe
   kEmission,             ///< matter that glows
   kLens,                 ///< thin lens
   kOrthographic,         ///< parallel camera rays
-  kClip,                 ///< box and planes cut camera rays
-  kClipLight,            ///< box and planes cut light
+  kClip,                 ///< a clip box and planes cut camera rays
+  kClipLight,            ///< the clip box and planes also cut rays to lights
   kSlices,               ///< cross-sections in the picture
   kBounces,              ///< paths of more than one collision
   kSteepExtinction,      ///< clear and very dense matter side by side, which needs bounds per voxel

@@ -12,11 +12,11 @@ namespace diaphane::render {
 /// Transmittance below which the ray counts as opaque.
 inline constexpr float kGuidesEnd = 0.02f;
 
-/// Returns the guides of the matter visible along `ray` within `span` (inside the grid's box), by
-/// steps of a voxel. It draws no random numbers: a collision found by tracking may be anywhere
-/// along the ray, so guides from a few collisions would be as noisy as the picture that they help
-/// to denoise. The steps cause a bias, which does no harm, because guides only say which pixels are
-/// alike.
+/// Returns the guides of the matter visible along `ray` within `span` (inside the grid's box), in
+/// steps of at most one voxel. No random numbers are used: a collision found by tracking may be
+/// anywhere along the ray, so guides from a few collisions would be as noisy as the picture that
+/// they help to denoise. The steps cause a bias, which does no harm, because guides only say which
+/// pixels are alike.
 template <Features F = Features{}, typename Volume>
 HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, Span span) {
   Guides sum{};

@@ -6,9 +6,9 @@
 
 namespace diaphane::render {
 
-/// Returns how the voxel with this index is shown. Indices are clamped to the volume. Without
-/// labels, which happens in a kernel with more features than the scene needs, everything is shown
-/// as it is.
+/// Returns how the voxel with this index is shown. Indices are clamped to the volume. A kernel with
+/// more features than the scene needs may run without labels; then no voxel changes its
+/// appearance.
 HOST_DEVICE LabelLook look_of_voxel(const LabelsView& labels, Int3 size, Int3 voxel) {
   if (labels.voxels == nullptr) return kUnchangedLook;
   const std::int64_t x = min(max(voxel.x, 0), size.x - 1);
@@ -20,13 +20,13 @@ HOST_DEVICE LabelLook look_of_voxel(const LabelsView& labels, Int3 size, Int3 vo
 /// Returns how the matter at a place (voxel indices) is shown: like the voxel that contains it,
 /// because labels cannot be interpolated.
 HOST_DEVICE LabelLook look_at(const LabelsView& labels, Int3 size, Float3 place) {
-  // Below 0, the conversion rounds up, to an index that is clamped anyway.
+  // The conversion rounds towards 0, which is harmless below 0, because indices are clamped.
   return look_of_voxel(labels, size,
                        Int3{static_cast<std::int32_t>(place.x), static_cast<std::int32_t>(place.y),
                             static_cast<std::int32_t>(place.z)});
 }
 
-/// The extinction at a place: the transfer function applied to interpolated voxels.
+/// A medium whose extinction is the transfer function of the interpolated voxel value.
 template <typename Volume>
 struct Medium {
   const Volume& volume;
@@ -35,13 +35,13 @@ struct Medium {
   HOST_DEVICE float extinction(float value, Float3 /*place*/) const {
     return extinction_at(transfer, value);
   }
-  /// Returns an upper bound over a cell between voxel centres (VoxelWalk).
+  /// Returns an upper bound of the extinction in a cell between voxel centres (VoxelWalk).
   HOST_DEVICE float majorant(Int3 cell) const {
     return largest_extinction(transfer, volume.corner_range(cell));
   }
 };
 
-/// The same times the opacity of the label at the place.
+/// A medium whose extinction is that of Medium times the opacity of the label at the place.
 template <typename Volume>
 struct LabelledMedium {
   const Volume& volume;
@@ -52,7 +52,7 @@ struct LabelledMedium {
     return look_at(labels, volume.size, place).opacity * extinction_at(transfer, value);
   }
   HOST_DEVICE float majorant(Int3 cell) const {
-    // The cell has a part of each of the eight voxels at its corners.
+    // The cell overlaps the eight voxels at its corners, each of which may have another label.
     float most = 0.0f;
     for (int corner = 0; corner < 8; ++corner) {
       const Int3 voxel{cell.x - (corner & 1), cell.y - (corner >> 1 & 1), cell.z - (corner >> 2)};

@@ -22,7 +22,7 @@ HOST_DEVICE TexturePoint map_point(float right, float middle, float up) {
 
 enum class TextureEdge { kClamp, kWrapAcross };
 
-/// Returns the colour, interpolated between the centres of the texels.
+/// Returns the colour at `p` by bilinear interpolation between the centres of the texels.
 template <TextureEdge Edge>
 HOST_DEVICE Float3 colour_at(const LightsView& lights, const LightTexture& texture,
                              TexturePoint p) {
@@ -50,8 +50,8 @@ HOST_DEVICE Float3 colour_at(const LightsView& lights, const LightTexture& textu
   return above * (1.0f - wy) + below * wy;
 }
 
-/// Returns the first of `count` indices whose `cumulative(i)` is above u. u must be below the last
-/// one.
+/// Returns the first of `count` indices whose `cumulative(i)` is above u. The last value of
+/// `cumulative` must be above u.
 template <typename Cumulative>
 HOST_DEVICE std::uint32_t first_above(std::uint32_t count, float u, const Cumulative& cumulative) {
   std::uint32_t low = 0, high = count - 1;

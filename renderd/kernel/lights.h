@@ -28,11 +28,11 @@ struct LightSample {
 struct LightHit {
   Float3 radiance;
   float distance;  ///< mm
-  float density;   ///< of sample_light in this direction
+  float density;   ///< density of sample_light() in this direction
   bool met;
 };
 
-/// Returns the index of the light for `u` in (0, 1), and rescales `u` to (0, 1) so that it can be
+/// Samples the index of a light with `u` in (0, 1), and rescales `u` to (0, 1) so that it can be
 /// used again. Uses bisection, because there may be thousands of lights.
 HOST_DEVICE std::uint32_t pick_light(const LightsView& lights, float& u) {
   const std::uint32_t i = first_above(
@@ -100,7 +100,7 @@ HOST_DEVICE Float3 sphere_radiance(const LightsView& lights, const AreaLight& li
 struct SphereCone {
   Float3 axis;          ///< unit, to the centre
   float distance2, rr;  ///< squares of the distance to the centre and of the radius, mm^2
-  /// Of half the opening angle; without cancellation for a small or distant sphere.
+  /// 1 - cos of half the opening angle, without cancellation for a small or distant sphere.
   float one_minus_cos;
   float solid_angle;  ///< steradians; for a point, its area (1 mm^2) over the squared distance
   bool outside;
@@ -119,7 +119,7 @@ HOST_DEVICE SphereCone sphere_cone(const AreaLight& light, Float3 place) {
   return cone;
 }
 
-/// Samples a direction uniform over the cone in which a place outside sees the sphere. Returns no
+/// Samples a direction uniformly over the cone in which a place outside sees the sphere. Returns no
 /// light for a place inside.
 template <Features F>
 HOST_DEVICE LightSample sample_sphere_light(const LightsView& lights, const AreaLight& light,
@@ -143,7 +143,7 @@ HOST_DEVICE LightSample sample_sphere_light(const LightsView& lights, const Area
   return s;
 }
 
-/// Samples a point uniform over the light's area, or for a sphere a direction uniform over its
+/// Samples a point uniformly over the light's area, or for a sphere a direction uniformly over its
 /// solid angle.
 template <Features F>
 HOST_DEVICE LightSample sample_light(const LightsView& lights, const AreaLight& light, Float3 place,

@@ -46,7 +46,7 @@ HOST_DEVICE ValueSpan LinearVolume::corner_range(Int3 cell) const {
 }
 
 /// Indices of the voxels at the two ends of a cell along one axis, clamped to the volume. Rounding
-/// may take a ray one cell beyond the last one, which is cell `size`.
+/// may take a ray one cell beyond the last cell, which is cell `size`.
 struct CellEnds {
   std::int32_t low, high;
 
@@ -76,7 +76,7 @@ HOST_DEVICE CornerRange LinearVolume::corner_values(Int3 cell, Brick brick) cons
   return {static_cast<std::int32_t>(low), static_cast<std::int32_t>(high)};
 }
 
-/// A place in the transfer function's tables: between `node` and `node + 1`.
+/// A position in the transfer function's tables, between `node` and `node + 1`.
 struct TableSpot {
   std::int32_t node;
   float weight;
@@ -95,8 +95,8 @@ HOST_DEVICE float extinction_at(const TransferView& t, float value) {
   return a + s.weight * (t.extinction[s.node + 1] - a);
 }
 
-/// Returns an upper bound of the extinction over a range of values, per mm: the largest of all
-/// nodes around it, from two overlapping runs of 2^r nodes.
+/// Returns an upper bound of the extinction over a range of values, per mm. It is the largest of
+/// all nodes around the range, found from two overlapping runs of 2^r nodes.
 HOST_DEVICE float largest_extinction(const TransferView& t, ValueSpan values) {
   const float end = static_cast<float>(t.count - 1);
   const float low = values.low * t.scale + t.offset - t.margin;
@@ -114,8 +114,8 @@ HOST_DEVICE float largest_extinction(const TransferView& t, ValueSpan values) {
   return max(maxima[first], maxima[last + 1 - run]) * kRounding;
 }
 
-/// Returns the mean colour at a place of a table of sums, xyz over w (TransferView::colour). Black
-/// if no channel is active.
+/// Returns the mean colour at a position of a table of sums, xyz over w (TransferView::colour).
+/// Returns black if no channel is active.
 HOST_DEVICE Float3 mean_colour(const Float4* table, TableSpot s) {
   const Float4 a = table[s.node], b = table[s.node + 1];
   const float w = a.w + s.weight * (b.w - a.w);
@@ -136,8 +136,8 @@ struct Gloss {
   float gloss;      ///< [0, 1]
 };
 
-/// Returns no gloss if the scene has no table of it, which happens in a kernel with more features
-/// than the scene needs.
+/// Returns the gloss at a value, or no gloss if the scene has no table of it. That happens in a
+/// kernel with more features than the scene needs.
 HOST_DEVICE Gloss gloss_at(const TransferView& t, float value) {
   if (t.gloss == nullptr) return {};
   const TableSpot s = table_spot(t, value);
@@ -150,9 +150,9 @@ HOST_DEVICE Gloss gloss_at(const TransferView& t, float value) {
   return {sum * (1.0f / w), (a.w + s.weight * (b.w - a.w)) / w};
 }
 
-/// Returns the source function, which is the radiance of opaque matter. Thin matter emits
-/// extinction times this per mm, so it is added where a path collides. Black if the scene has no
-/// table of it.
+/// Returns the source function at a value, which is the radiance of opaque matter. Thin matter
+/// emits this radiance times the extinction per mm, so estimators add it where a path collides.
+/// Returns black if the scene has no table of emission.
 HOST_DEVICE Float3 emission_at(const TransferView& t, float value) {
   if (t.emission == nullptr) return {0.0f, 0.0f, 0.0f};
   return mean_colour(t.emission, table_spot(t, value));

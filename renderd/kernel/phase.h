@@ -7,10 +7,10 @@ namespace diaphane::render {
 inline constexpr float kPi = 3.14159265358979f;
 inline constexpr float kIsotropicPhase = 0.0795774715459477f;  ///< 1 / (4 pi), per steradian
 
-/// Henyey-Greenstein, per steradian. `in` and `out` are the unit directions in which light travels
-/// before and after the collision; both may be reversed together. Accurate for any g in (-1, 1),
-/// because the denominator is (1 - |g|)^2 + 2 |g| (1 - +-cos), whose terms are both positive and do
-/// not cancel.
+/// Returns the Henyey-Greenstein phase function, per steradian. `in` and `out` are the unit
+/// directions in which light travels before and after the collision; both may be reversed together.
+/// The result is accurate for any g in (-1, 1), because the denominator sums two terms that are not
+/// negative: (1 - |g|)^2, and 2 |g| (1 - cos) or, for g < 0, 2 |g| (1 + cos).
 HOST_DEVICE float henyey_greenstein(float g, Float3 in, Float3 out) {
   const float a = fabsf(g);
   const Float3 d = g < 0.0f ? in + out : in - out;
@@ -20,8 +20,8 @@ HOST_DEVICE float henyey_greenstein(float g, Float3 in, Float3 out) {
   return kIsotropicPhase * o * (1.0f + a) / (denominator * sqrtf(denominator));
 }
 
-/// Samples 1 - cos of the angle from Henyey-Greenstein for 0 <= g < 1, with u in [0, 1], without
-/// cancellation near g = 1 or near the forward direction. For g < 0 sample |g| and mirror.
+/// Samples 1 - cos of the Henyey-Greenstein angle for 0 <= g < 1, with u in [0, 1], without
+/// cancellation near g = 1 or near the forward direction. For g < 0, sample with |g| and mirror.
 HOST_DEVICE float sample_one_minus_cos(float g, float u) {
   const float o = 1.0f - g;
   const float d = o + 2.0f * g * u;

@@ -10,12 +10,12 @@
 
 namespace diaphane::render {
 
-/// The segment of a camera ray that an estimator has to handle; clip and slices are already
+/// The segment of a camera ray that an estimator has to handle, after the clip and the slices were
 /// applied.
 struct PrimaryHit {
-  Span span;          ///< part of the ray that may contain matter; empty: none
+  Span span;          ///< part of the ray that may contain matter; empty if there is none
   Float3 background;  ///< radiance of the ray if it does not collide
-  bool slice;         ///< `background` is a slice
+  bool slice;         ///< whether `background` is a slice
 };
 
 template <Features F, typename Volume>

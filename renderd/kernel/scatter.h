@@ -12,20 +12,20 @@ namespace diaphane::render {
 /// A direction sampled from a scattering distribution.
 struct ScatterSample {
   Float3 direction;  ///< unit vector in mm space, in which the path continues
-  Float3 weight;     ///< Factor of the path's weight, evaluate() over density(); 0: the path ends.
+  Float3 weight;     ///< factor of the path's weight, evaluate() over density(); 0 ends the path
   float density;     ///< per steradian
 };
 
-/// How the matter at one collision scatters light. Pure. The estimators use only these three
-/// functions. Members that no feature in `F` needs are not compiled.
+/// How the matter at one collision scatters light. The estimators use only evaluate(), sample() and
+/// density(), which depend on nothing but the members and their arguments.
 template <Features F>
 struct Scatter {
   static constexpr bool kLobe = F.has(Feature::kGloss);
 
   Float3 albedo;
   Float3 incoming;  ///< unit, mm: the direction of the incoming path
-  float g;          ///< Henyey-Greenstein
-  /// The collision is at a surface (kSurfaces only); the members below are valid then.
+  float g;          ///< parameter of the Henyey-Greenstein phase function
+  /// Whether the collision is at a surface (kSurfaces only). Only then are the members below valid.
   bool surface;
   Float3 normal;  ///< unit, mm, on the side of the incoming path
   Float3 specular;
@@ -80,18 +80,18 @@ struct Scatter {
   }
 };
 
-/// How the extinction changes around a place.
+/// The gradient of the extinction at a place.
 struct Gradient {
   Float3 direction;  ///< unit, mm; the sign is arbitrary
   float slope;  ///< of the extinction along it, per mm^2; 0: no gradient and no valid direction
 };
 
 /// Estimates the gradient at `place` (voxel indices), where the voxel value is `value`. The
-/// direction is that of the voxel values, by central differences over one voxel in each direction
-/// in world lengths. The transfer function may be a step, whose own differences would point along
-/// the axes only. The slope is also a central difference, of the extinction at the values one
-/// smallest voxel away in both directions along the gradient. So a step is detected from as far
-/// away as its voxels reach.
+/// direction is the gradient of the voxel values, from central differences over one voxel in each
+/// direction, scaled to mm. Differences of the extinction would not do: the transfer function may
+/// be a step, and they would point along the axes only. The slope is a central difference of the
+/// extinction, at the values one edge of the smallest voxel away along the gradient in both
+/// directions. A step is therefore detected at any place that its voxels influence.
 template <typename Volume>
 HOST_DEVICE Gradient gradient_at(const SceneView<Volume>& scene, Float3 place, float value) {
   const auto difference = [&](Float3 step) {
@@ -109,8 +109,8 @@ HOST_DEVICE Gradient gradient_at(const SceneView<Volume>& scene, Float3 place, f
 }
 
 /// Returns how the matter at `place` (voxel indices) scatters. `value` is the voxel value there,
-/// and `incoming` the unit direction (mm) of the ray that collided. `choice` in (0, 1) chooses if
-/// there are two ways to scatter.
+/// and `incoming` the unit direction (mm) of the ray that collided. `choice` in (0, 1) decides
+/// between surface and phase function (Feature::kHybrid).
 template <Features F, typename Volume>
 HOST_DEVICE Scatter<F> scatter_at(const SceneView<Volume>& scene, Float3 place, float value,
                                   Float3 incoming, float choice) {
@@ -129,7 +129,7 @@ HOST_DEVICE Scatter<F> scatter_at(const SceneView<Volume>& scene, Float3 place, 
     const Gradient gradient = gradient_at(scene, place, value);
     s.surface = gradient.slope > 0.0f;
     if constexpr (F.has(Feature::kHybrid)) {
-      // Without that choice `surfaces` is infinite, so that the exponential is 0.
+      // Where the scene shades only surfaces, `surfaces` is infinite and the exponential is 0.
       s.surface = s.surface && 1.0f - choice > expf(-gradient.slope * opacity * scene.surfaces);
     }
     if (!s.surface) return s;

@@ -41,10 +41,10 @@ HOST_DEVICE SliceHit nearest_slice(const SceneView<Volume>& scene, const Ray& ra
   return hit;
 }
 
-/// Returns the radiance with which a slice shows a voxel value. The displayed result does not
-/// depend on the exposure or on the tone curve, which is inverted (film/tone.h). In grey, the
-/// screen shows the level of the window. In colours of the transfer function, it is opacity times
-/// diffuse colour, linear.
+/// Returns the radiance with which a slice shows a voxel value. Exposure and tone curve
+/// (film/tone.h) are inverted, so the displayed slice does not depend on them. In grey, the screen
+/// shows the level of the window. In colours of the transfer function, it shows opacity times
+/// diffuse colour, both linear.
 template <typename Volume>
 HOST_DEVICE Float3 slice_radiance(const SceneView<Volume>& scene, float value) {
   const SlicesView& s = scene.slices;

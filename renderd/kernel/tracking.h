@@ -8,15 +8,15 @@
 
 namespace diaphane::render {
 
-/// Optical depth and ratio at which the transmittance estimate starts Russian roulette. Any value
-/// is unbiased; these gave the least variance times time on the cranium scene.
+/// Optical depth and ratio at which the transmittance estimate starts Russian roulette. Any values
+/// are unbiased; these gave the least variance times time on the cranium scene.
 inline constexpr float kRouletteDepth = 1.5f;
 inline constexpr float kRouletteRatio = 0.3f;
 
 /// If clear and opaque matter share a macrocell, tracking under one majorant takes a step per unit
-/// of optical depth of the *densest* place. A cell of more than this optical depth is crossed voxel
-/// by voxel under the bound of each, which takes about one step per voxel for any extinction (Steep
-/// only).
+/// of optical depth of the *densest* place. With `Steep`, a macrocell of more than this optical
+/// depth under its majorant is crossed voxel by voxel, each under a majorant of its own. That takes
+/// about one step per voxel for any extinction.
 inline constexpr float kDeepCell = 16.0f;
 
 struct Collision {
@@ -26,9 +26,9 @@ struct Collision {
   bool hit_medium;  ///< the extinction was not 0 at a tentative collision, so the ray meets matter
 };
 
-/// Delta tracking from `begin` to `end` under `majorant` > 0. On entry and exit, `pending` is the
-/// optical depth of the majorant up to the next tentative collision. It is not a distance, because
-/// a step of 1e-6 mm would be lost when added to 100 mm.
+/// Tracks a ray through `piece` by delta tracking under `majorant` > 0. `pending` is the optical
+/// depth of the majorant up to the next tentative collision, on entry and on exit without a
+/// collision. It is not a distance, because a step of 1e-6 mm would be lost when added to 100 mm.
 template <typename AnyMedium>
 HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant, const AnyMedium& medium,
                              Random& random, float& pending, Collision& hit) {
@@ -54,8 +54,8 @@ HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant, const A
 }
 
 /// Finds the first real collision along `ray` within `span` (inside the grid's box), by delta
-/// tracking through the macrocells (Woodcock 1965; local majorants: Szirmay-Kalos 2011). Unbiased
-/// if the bounds of each cell hold.
+/// tracking through the macrocells (Woodcock 1965; local majorants: Szirmay-Kalos 2011). The result
+/// is unbiased if the bounds of each cell hold.
 template <bool Steep = false, typename AnyMedium>
 HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
                             const AnyMedium& medium, Random& random) {
@@ -84,8 +84,8 @@ HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
   return hit;
 }
 
-/// Ratio tracking from `begin` to `end` of the extinction above `bounds.minorant`. Multiplies
-/// `ratio`, which becomes 0 if roulette ends the estimate. `pending` is as in track_piece().
+/// Multiplies `ratio` by an estimate of the transmittance of `piece`, by ratio tracking of the
+/// extinction above `bounds.minorant`, or sets it to 0 by roulette. `pending`: see track_piece().
 template <typename AnyMedium>
 HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
                               const AnyMedium& medium, Random& random, float& pending,

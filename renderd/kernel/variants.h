@@ -6,10 +6,10 @@
 
 namespace diaphane::render {
 
-/// The feature sets for which a kernel is compiled ahead of time, from small to large. The last one
-/// has all features, so each scene has a variant. CUDA also compiles the exact set at run time. An
-/// extinction that is a single linear function of the value is rare, so only the exact set omits
-/// kCurves.
+/// The feature sets for which a kernel is compiled ahead of time, from small to large. The last set
+/// has all features, so each scene has a variant. CUDA also compiles a scene's exact set at run
+/// time. An extinction that is a single linear function of the value is rare, so only exact sets
+/// omit kCurves.
 inline constexpr Features kCurved = Features{}.with(Feature::kCurves);
 inline constexpr Features kVariants[] = {
     kCurved.with(Feature::kEnvironment),
@@ -38,7 +38,7 @@ inline constexpr Features kVariants[] = {
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
         .with(Feature::kGuides),
-    // Labels come last, so that scenes without them use kernels without them.
+    // Sets with labels come last, so that scenes without labels use kernels without them.
     kAllFeatures.without(Feature::kGuides).without(Feature::kLabels),
     kAllFeatures.without(Feature::kLabels),
     kAllFeatures.without(Feature::kGuides),

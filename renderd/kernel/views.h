@@ -7,7 +7,7 @@
 #include "renderd/math/vector.h"
 
 // The data that a kernel reads, as plain views without ownership or containers. Their pointers
-// refer to memory of the executor (host or device).
+// refer to memory of the host or of the device, wherever the kernel runs.
 //
 // All coordinates in a kernel are in the *volume's frame*: millimetres along the voxel axes, with
 // the origin at the corner of voxel (0,0,0). Preparation transforms camera and lights into it once,
@@ -41,7 +41,7 @@ struct LinearVolume {
   /// (VoxelWalk).
   HOST_DEVICE ValueSpan corner_range(Int3 cell) const;
 
-  // Access to cells between voxel centres (ExactWalk).
+  // The exact walk reads the cells between voxel centres through the functions below.
   /// Data that an engine looks up once for all cells of a brick; empty here.
   struct Brick {};
   HOST_DEVICE Brick brick(std::int32_t /*index*/) const { return {}; }
@@ -91,8 +91,8 @@ struct alignas(16) ExtinctionPiece {
   float begin, extinction, slope, end;
 };
 
-/// The kinds of hits of the exact walk: a ray to a light by one of the strategies of direct.h, or a
-/// path that continues.
+/// The kinds of hits of the exact walk. The first kIndirect kinds send a ray to a light by the
+/// Strategy of the same number (direct.h); kIndirect continues a path.
 inline constexpr int kIndirect = 4;
 inline constexpr int kHitKinds = 5;
 
@@ -100,12 +100,12 @@ inline constexpr int kHitKinds = 5;
 inline constexpr int kBrickShift = 2;
 inline constexpr int kBrickSize = 1 << kBrickShift;
 
-inline constexpr std::int32_t kOutside = 255;  ///< ExactView::skips
+inline constexpr std::int32_t kOutside = 255;  ///< value of ExactView::skips in the rim
 
 /// Layout of an array of bricks with a rim of one brick around it.
 struct BrickArray {
   std::int32_t row, slice, count;
-  std::int32_t first;  ///< brick (0, 0, 0)
+  std::int32_t first;  ///< index of brick (0, 0, 0)
 
   HOST_DEVICE explicit BrickArray(Int3 bricks)
       : row(bricks.x + 2),
@@ -129,13 +129,13 @@ struct ExactView {
   /// is at x + brick_row y + brick_slice z, relative to brick (0, 0, 0).
   std::int32_t brick_row, brick_slice;
   std::int32_t brick_count;  ///< including the rim
-  /// For each of 8 octants (bit 0: the ray goes up x, ...), `brick_count` entries apart, one entry
-  /// per brick. It is 0 if the brick may contain matter. Otherwise it is the edge in bricks of an
-  /// empty cube that starts with this brick and extends in the octant's direction. It is kOutside
-  /// in the rim. The pointer refers to brick (0, 0, 0).
+  /// One entry per brick for each of 8 octants (bit 0 is set if x increases along the ray, and so
+  /// on); octants are `brick_count` entries apart. An entry is 0 if the brick may contain matter.
+  /// Otherwise it is the edge, in bricks, of an empty cube that starts with this brick and extends
+  /// in the octant's direction. Entries of the rim are kOutside. Points at brick (0, 0, 0).
   const std::uint8_t* skips;
-  /// Number of collisions of one camera ray by kind of hit. Each lies in one of as many strata of
-  /// the ray's opacity.
+  /// Number of strata of the ray's opacity for each kind of hit. A camera ray has at most one
+  /// collision of the kind per stratum.
   std::int32_t strata[kHitKinds];
 
   /// Returns the index of the piece that contains `value`.
@@ -152,13 +152,13 @@ struct ExactView {
 enum class LightShape : std::uint32_t { kRectangle, kDisk, kSphere };
 inline constexpr std::uint32_t kNoTexture = 0xffffffffu;
 
-/// A one-sided light of finite size or a point. It shines to the side of `normal`, a sphere
-/// outwards.
+/// A light of finite size, or a point. Rectangles and disks shine only to the side of `normal`, and
+/// spheres shine outwards.
 ///
-/// Rectangle: the points corner + a u + b v, a and b in [0, 1]. Disk: `corner` is the centre, and u
-/// and v are the radii to the right and up in its texture. Sphere: `corner` is the centre, and u
-/// and v are the radii to the right of the texture's middle and to the middle. Disks and spheres of
-/// radius 0 (u and v are 0) are points.
+/// A rectangle has the points corner + a u + b v, with a and b in [0, 1]. For a disk, `corner` is
+/// the centre, and u and v are the radii to the right and up in its texture. For a sphere, `corner`
+/// is the centre, and u and v are the radii to the right of the texture's middle and to the middle.
+/// Disks and spheres of radius 0 (u and v are 0) are points.
 struct AreaLight {
   Float3 corner, u, v;
   Float3 normal;  ///< unit, along cross(u, v); for a sphere, its upper pole
@@ -196,25 +196,25 @@ struct LightsView {
   std::uint32_t map_count;     ///< number of entries in `maps`
   const EnvironmentMap* maps;  ///< environment lights with a texture
   const LightTexture* textures;
-  /// xyz: colour. w: probability that a direction sampled in this row lies in this texel or before
-  /// it, over the solid angle as a latitude-longitude map.
+  /// xyz is the colour. w is the probability that a direction sampled in this row of a
+  /// latitude-longitude map lies in this texel or before it.
   const Float4* texels;
   const float* rows;  ///< probability that a sampled direction lies in this row or above it
-  bool maps_visible;  ///< maps are visible to camera rays
+  bool maps_visible;  ///< whether camera rays see the maps
 };
 
-/// Pinhole, thin lens and parallel rays in one form. A ray starts not at the eye but in the plane
-/// at depth `near` along the view axis, just before the box. So its coordinates remain small even
-/// if the eye is far away.
+/// A pinhole, a thin lens or parallel rays in one form. A ray starts not at the eye but in the
+/// plane at depth `near` along the view axis, just before the box, so that its coordinates remain
+/// small even if the eye is far away.
 struct CameraView {
   Float3 start;      ///< start of the ray through the middle, mm in the volume's frame
   Float3 forward;    ///< unit
   Float3 right, up;  ///< to the edges of the picture, at depth 1; parallel rays: at any depth, mm
-  float near;        ///< factor for them at the start, its depth in mm; parallel rays: 1
-  float spread;      ///< factor per unit of depth: 1; parallel rays: 0
-  /// Feature::kLens: vectors to the edge of the lens, mm. `lens_at_start` is the fraction of them
-  /// at the start of a ray, and `lens_bend` is the fraction lost per unit of depth, so that none is
-  /// left in the plane of focus.
+  float near;        ///< factor of right and up at the start: its depth in mm; parallel rays: 1
+  float spread;      ///< factor of right and up per unit of depth: 1; parallel rays: 0
+  /// The vectors from the centre to the edge of the lens (Feature::kLens), mm. A ray is shifted by
+  /// the fraction `lens_at_start` of them at its start, and by `lens_bend` less per unit of depth,
+  /// so that no shift is left in the plane of focus.
   Float3 lens_right, lens_up;
   float lens_at_start, lens_bend;
 };
@@ -225,25 +225,25 @@ struct HalfSpace {
   float most;
 };
 
-/// The clip keeps the points in all half-spaces: the six faces of the clip box and the free planes.
-/// Those that cut nothing off the volume are omitted.
+/// The clip keeps the points that lie in all half-spaces. These are bounded by the six faces of the
+/// clip box and by the free planes. Half-spaces that contain the whole volume are omitted.
 struct ClipView {
   static constexpr std::uint32_t kMost = 12;
   HalfSpace kept[kMost];
-  std::uint32_t count;        ///< number that cut camera rays
-  std::uint32_t light_count;  ///< number that cut light: all or none
+  std::uint32_t count;        ///< number of half-spaces that cut camera rays
+  std::uint32_t light_count;  ///< number of half-spaces that cut light: all or none
 };
 
 /// How the matter of a label is shown.
 struct alignas(16) LabelLook {
-  Float3 colour;  ///< albedo; x < 0: that of the matter
+  Float3 colour;  ///< albedo; x < 0 keeps the albedo of the matter
   float opacity;  ///< factor of the extinction, in [0, 1]
 };
 inline constexpr LabelLook kUnchangedLook{{-1.0f, -1.0f, -1.0f}, 1.0f};
 
 /// Labels of the voxels (Feature::kLabels).
 struct LabelsView {
-  const std::uint8_t* voxels;  ///< x fastest; null: there are no labels
+  const std::uint8_t* voxels;  ///< label per voxel, x fastest; null if there are no labels
   const LabelLook* looks;      ///< by label; entry 0 is for voxels of no label
 };
 
@@ -254,7 +254,7 @@ struct SlicesView {
   float per_value;       ///< grey level per voxel value above `black_value`
   float per_extinction;  ///< opacity per extinction (mm)
   ToneCurve curve;       ///< of the display
-  float white;           ///< 1 over 2^exposure, which the display multiplies by
+  float white;           ///< 1 / 2^exposure, which cancels the exposure of the display
 };
 
 /// Which numbers of the random sequence the samples of the film use. If several devices average one
@@ -284,17 +284,17 @@ struct SceneView {
   SlicesView slices;
   LabelsView labels;
   float phase_g;
-  /// In mm: a place where the extinction has the gradient G (per mm^2) is a surface with
-  /// probability 1 - exp(-|G| surfaces). 0: never; infinity: wherever there is a gradient.
+  /// A place where the extinction has the gradient G (per mm^2) is a surface with the probability
+  /// 1 - exp(-|G| surfaces). Unit mm^2; 0 means never, infinity wherever there is a gradient.
   float surfaces;
   std::uint32_t bounces;        ///< maximum number of collisions of a path, at least 1
   bool roulette;                ///< paths of low weight may end early; unbiased either way
   Float3 escape;                ///< radiance of a camera ray that leaves the volume
-  Float3 escape_edge;           ///< what CameraRay::off_centre adds to it
+  Float3 escape_edge;           ///< added to `escape` in proportion to CameraRay::off_centre
   std::uint32_t width, height;  ///< of the film
   std::uint32_t first_row, picture_height;  ///< of the picture of which the film is a band
   std::uint64_t seed;
-  /// First sample of the random stream; keeps the samples of devices disjoint.
+  /// Number of the first sample in the random stream, which keeps the samples of devices disjoint.
   std::uint64_t first_sample;
   std::uint64_t stream;  ///< stream of the low-discrepancy points, a hash of the two above
   /// Use no low-discrepancy points, for comparison (Method::low_discrepancy).
@@ -303,7 +303,7 @@ struct SceneView {
   Walk walk;
   SampleNumbers numbers;
 
-  /// Index of a pixel in the picture of which the film is a band. Its random numbers depend on it.
+  /// Returns the index of a pixel in the whole picture, on which its random numbers depend.
   HOST_DEVICE std::uint32_t pixel(std::uint32_t x, std::uint32_t y) const {
     return x + width * (first_row + y);
   }

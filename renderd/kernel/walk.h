@@ -38,10 +38,10 @@ HOST_DEVICE Span clip(const Ray& ray, const Box& box, Span span) {
 }
 
 /// Walks the cells of edge `Edge` of a grid along a ray in order (Amanatides and Woo 1987). Cells
-/// are counted in integers and the distance never decreases, so that rays through edges and
-/// corners, along axes and from inside all end. Due to rounding, a position inside the piece
-/// [begin, end) may lie outside the cell. `Coordinates`: the cell is identified by its three
-/// indices instead of one.
+/// are counted in integers and the distance never decreases, so all rays end, even rays that start
+/// inside, run along axes or pass through edges and corners. Due to rounding, a position inside the
+/// piece [begin, end) may lie outside the cell. With `Coordinates`, the cell is identified by its
+/// three indices instead of one.
 template <int Edge, bool Coordinates>
 class GridWalk {
  public:
@@ -60,7 +60,7 @@ class GridWalk {
     find_end();
   }
 
-  /// Index of the cell, x fastest.
+  /// Returns the index of the cell, x fastest.
   HOST_DEVICE std::int32_t cell() const { return cell_[0]; }
   HOST_DEVICE Int3 coordinates() const requires Coordinates {
     return {cell_[0], cell_[1], cell_[2]};
@@ -120,7 +120,7 @@ class GridWalk {
   std::int32_t cell_[Coordinates ? 3 : 1];
 };
 
-/// Walks the macrocells. Their bounds hold half a voxel beyond them, which exceeds rounding errors.
+/// Walks the macrocells. Their bounds also hold half a voxel outside, so rounding does no harm.
 class CellWalk : public GridWalk<kCellSize, false> {
  public:
   HOST_DEVICE CellWalk(const Ray& ray, Span span, const GridView& grid)

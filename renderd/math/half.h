@@ -7,8 +7,8 @@
 namespace diaphane::render {
 
 /// Returns the IEEE 754 binary16 number nearest to a finite `x`. Numbers beyond its range become
-/// the largest finite number, and numbers below 2^-14 become 0. It works on the bits, so that both
-/// engines store the same.
+/// the largest finite number, and numbers below 2^-14 become 0. The conversion uses integer
+/// operations on the bits, so that both engines store the same number.
 HOST_DEVICE std::uint16_t to_half(float x) {
   union Bits {
     float f;
@@ -22,7 +22,7 @@ HOST_DEVICE std::uint16_t to_half(float x) {
   return static_cast<std::uint16_t>(sign | ((rounded - 0x38000000u) >> 13));
 }
 
-/// Returns the value of a number from to_half().
+/// Returns the value of a binary16 number that to_half() returned.
 HOST_DEVICE float from_half(std::uint16_t half) {
 #if defined(__CUDA_ARCH__)
   float f;

@@ -1,8 +1,8 @@
 #pragma once
 
 // The same source is compiled for CPU and CUDA. On the CPU everything is forced inline: the kernel
-// is compiled once per instruction set, and a shared out-of-line copy of an inline function could
-// be compiled for the wrong processor.
+// is compiled once per instruction set, and the linker could keep an out-of-line copy of an inline
+// function that this processor cannot execute.
 #if defined(__CUDACC__)
 // Precedes a loop that must not be unrolled, even if the compiler knows its length.
 #define DEVICE_NO_UNROLL _Pragma("unroll 1")

@@ -37,7 +37,7 @@ HOST_DEVICE std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed)
   return x;
 }
 
-/// Sobol's second dimension, bit-reversed: the index multiplied by Pascal's triangle modulo 2.
+/// Returns Sobol's second dimension, bit-reversed: `index` times Pascal's triangle modulo 2.
 HOST_DEVICE std::uint32_t sobol_second_reversed(std::uint32_t index) {
   index ^= (index >> 1) & 0x55555555u;
   index ^= (index >> 2) & 0x33333333u;
@@ -47,8 +47,8 @@ HOST_DEVICE std::uint32_t sobol_second_reversed(std::uint32_t index) {
   return index;
 }
 
-/// The points of one sample of one pixel. With `Independent`, an option of the estimator for
-/// comparison, the points come from the counter-based generator instead.
+/// The low-discrepancy points of one sample of one pixel. For comparison, estimators can draw from
+/// the random number generator instead (Method::low_discrepancy).
 class Points {
  public:
   /// The purpose of a pair of dimensions.
@@ -64,8 +64,8 @@ class Points {
     kDepth
   };
 
-  /// `sample` counts from 0 within its stream, whose key comes from the seed and the first sample
-  /// of Random. Of any two samples 2i and 2i + 1, one belongs to each half.
+  /// `sample` counts from 0 within its stream, which is a hash of the seed and the first sample of
+  /// Random. Samples 2i and 2i + 1 belong to different halves of the film.
   HOST_DEVICE Points(std::uint64_t stream, std::uint32_t pixel, std::uint64_t sample)
       : key_(mix64(mix64(stream + 0x9e3779b97f4a7c15ULL) +
                    (std::uint64_t{pixel} << 1 | (sample & 1)))),
@@ -73,10 +73,10 @@ class Points {
     if ((sample >> 33) != 0) key_ = mix64(key_ + (sample >> 33));
   }
 
-  /// Returns two numbers in (0, 1).
+  /// Returns this sample's pair of numbers in (0, 1) for `use`.
   HOST_DEVICE Random::Pair pair(std::uint32_t use) const { return pair(use, index_); }
-  /// Returns point `index` of the sequence for `use`, for estimates that take several points per
-  /// sample: sample i takes the points i * n to i * n + n - 1.
+  /// Returns point `index` of the sequence for `use`. An estimate that takes n points per sample
+  /// uses the points i * n to i * n + n - 1 for sample i.
   HOST_DEVICE Random::Pair pair(std::uint32_t use, std::uint32_t index) const {
     const std::uint64_t k = mix64(key_ + (std::uint64_t{use} + 1) * 0xd1342543de82ef95ULL);
     const std::uint32_t shuffle = static_cast<std::uint32_t>(k);

@@ -7,21 +7,21 @@
 
 namespace diaphane::render {
 
-/// How radiance becomes light of the screen, before its gamma.
+/// The curve that maps radiance to the linear light of the screen, before gamma encoding.
 enum class ToneCurve : std::uint8_t {
-  kLinear,  ///< clips at 1
+  kLinear,  ///< the identity, clipped at 1
   kFilmic,  ///< film_curve()
 };
 
 // The filmic curve y = x (a x + b) / (x (c x + d) + e) is the fit by Narkowicz (2016) to the
-// tone mapping of ACES. Per component, it has a toe, and a shoulder that lets highlights fade to
-// white. A radiance of 1 becomes 0.804.
+// tone mapping of ACES. Applied to each component, it has a toe, and a shoulder that lets
+// highlights fade to white. A radiance of 1 becomes 0.804.
 inline constexpr float kFilmA = 2.51f, kFilmB = 0.03f, kFilmC = 2.43f, kFilmD = 0.59f,
                        kFilmE = 0.14f;
 /// The radiance that becomes 1: the root of (a - c) x^2 + (b - d) x - e.
 inline constexpr float kFilmWhite = 7.24165739f;
 
-/// Returns the filmic curve, in [0, 1].
+/// Returns the value of the filmic curve at the radiance `x`, in [0, 1].
 HOST_DEVICE float film_curve(float x) {
   x = min(max(x, 0.0f), kFilmWhite);
   const float y = x * (kFilmA * x + kFilmB) / (x * (kFilmC * x + kFilmD) + kFilmE);

@@ -32,7 +32,7 @@ template <typename T>
 HOST_DEVICE constexpr Vector3<T> operator-(Vector3<T> a, Vector3<T> b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-/// The component-wise product.
+/// Returns the component-wise product.
 template <typename T>
 HOST_DEVICE constexpr Vector3<T> operator*(Vector3<T> a, Vector3<T> b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
@@ -60,7 +60,7 @@ HOST_DEVICE constexpr Vector3<T> cross(Vector3<T> a, Vector3<T> b) {
 }
 HOST_DEVICE float length(Float3 a) { return sqrtf(dot(a, a)); }
 HOST_DEVICE double length(Double3 a) { return sqrt(dot(a, a)); }
-/// `a` must not be zero.
+/// Returns the unit vector along `a`, which must not be zero.
 template <typename T>
 HOST_DEVICE Vector3<T> normalize(Vector3<T> a) {
   return a * (T{1} / length(a));
@@ -85,7 +85,7 @@ HOST_DEVICE constexpr T max(T a, T b) {
   return a > b ? a : b;
 }
 
-/// Works like min(), but neither number may be NaN. This takes one instruction on a GPU.
+/// Works like min(), but requires that neither number is NaN. Takes one instruction on a GPU.
 HOST_DEVICE float fast_min(float a, float b) {
 #if defined(__CUDA_ARCH__)
   return fminf(a, b);
@@ -112,8 +112,8 @@ HOST_DEVICE float quotient_near(float a, float b) {
 
 HOST_DEVICE float max_component(Float3 a) { return max(a.x, max(a.y, a.z)); }
 
-/// Returns two unit vectors that make a right-handed orthonormal basis with the unit vector `n`. It
-/// has no branch (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+/// Computes two unit vectors that form a right-handed orthonormal basis with the unit vector `n`,
+/// without branches (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 HOST_DEVICE void basis_around(Float3 n, Float3& s, Float3& t) {
   const float sign = n.z < 0.0f ? -1.0f : 1.0f;
   const float a = -1.0f / (sign + n.z);

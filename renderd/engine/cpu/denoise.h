@@ -29,7 +29,7 @@ struct DenoiseInput {
 };
 
 /// Returns the denoised radiance, three numbers per pixel (film/denoise.h). The result does not
-/// depend on the number of threads. Uses 90 bytes of memory per pixel while it runs.
+/// depend on the number of threads. Uses 112 bytes of memory per pixel, including the result.
 std::vector<float> denoise(RendererThreads& threads, const DenoiseInput& input);
 
 }  // namespace diaphane::render

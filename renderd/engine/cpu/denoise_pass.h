@@ -4,8 +4,8 @@
 
 namespace diaphane::render {
 
-/// The denoiser's working memory: planes of one float per pixel, rows from the top, so that loops
-/// along a row vectorise.
+/// The denoiser's working memory: planes of one float per pixel, rows from the top. This layout
+/// lets loops along a row vectorise.
 struct DenoisePlanes {
   static constexpr std::uint32_t kSmoothed = 5;  ///< red, green, blue, deviation, variance
   static constexpr std::uint32_t kSteering =
@@ -22,7 +22,7 @@ struct DenoisePlanes {
 using DenoiseRow = void (*)(const DenoisePlanes& planes, std::int32_t y, std::int32_t stride,
                             float voxel, float* scratch);
 
-/// Returns the pass compiled for the instruction set of this processor.
+/// Returns the function that is compiled for the instruction set of this processor.
 DenoiseRow denoise_row();
 
 /// The two compilations of the same source.

@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 /// Edge in pixels of a tile, the unit of work. Tiles are small, so that all threads end at about
 /// the same time.
 constexpr std::uint32_t kWorkTile = 16;
-/// With this many tiles per thread, the last tiles of a sample leave little of the machine idle.
+/// Number of tiles per thread that a sample needs so that the threads idle little at its end.
 constexpr double kTilesAThread = 8;
 
 std::uint64_t machine_memory() {
@@ -33,7 +33,7 @@ std::uint64_t machine_memory() {
          static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// Returns the memory of the machine, or of the container if that is less (control groups 2 and 1).
+/// Returns the memory of the machine, or of the container if that is less (cgroup v2 and v1).
 std::uint64_t usable_memory() {
   std::uint64_t least = machine_memory();
   for (const char* file :
@@ -70,7 +70,7 @@ class CpuVolume final : public DeviceVolume {
   ValueGrid grid_;
 };
 
-/// The memory that all pictures of an engine share.
+/// The memory limit that all pictures of an engine share.
 class FilmMemory {
  public:
   explicit FilmMemory(std::uint64_t bytes) : free_(static_cast<std::int64_t>(bytes)) {}
@@ -87,7 +87,7 @@ class FilmMemory {
   std::atomic<std::int64_t> free_;
 };
 
-/// A part of this memory, which is returned when the object is destroyed.
+/// A part of FilmMemory, which the destructor returns.
 class FilmShare {
  public:
   FilmShare(std::shared_ptr<FilmMemory> memory, std::uint64_t bytes)
@@ -106,7 +106,7 @@ class FilmShare {
   std::uint64_t bytes_;
 };
 
-/// Samples of a draft (Walk::kDraft): the fewest whose error is known.
+/// Number of samples of a draft (Walk::kDraft), the smallest number whose error is known.
 constexpr std::uint64_t kDraftSamples = 2;
 
 /// A film with its share of the memory.
@@ -121,9 +121,9 @@ struct Picture {
       : scene(std::move(s)), prepared(std::move(p)), owned(std::move(f)) {}
 
   CpuFilm& film() { return owned->film; }
-  /// The film to show: the draft until the film after it has a sample.
+  /// Returns the film to show, which is the draft until the film after it has a sample.
   CpuFilm& shown() { return draft && film().count() == 0 ? draft->film : film(); }
-  /// The film whose error is known. The draft's error bounds that of a first sample after it.
+  /// Returns the film whose error is known. The draft's error bounds that of the next sample.
   CpuFilm& judged() { return draft && film().count() < kDraftSamples ? draft->film : film(); }
   std::uint64_t samples() const { return draft_samples + owned->film.count(); }
 
@@ -135,7 +135,7 @@ struct Picture {
   /// A finished draft, until the error of the film after it is known.
   std::unique_ptr<OwnedFilm> draft;
   std::uint64_t draft_samples = 0;  ///< of the finished draft
-  /// Tiles of the next sample that are done already. A sample that was stopped continues there.
+  /// Number of tiles of the next sample that are done. A stopped sample continues at this tile.
   std::uint32_t tiles_done = 0;
   double seconds = 0;
 };
@@ -303,8 +303,8 @@ class CpuFrameRenderer final : public FrameRenderer {
     }
   }
 
-  /// Follows a finished draft by an empty film for the better estimator. With too little memory for
-  /// two films, the draft becomes the picture.
+  /// Begins an empty film for the better estimator if the draft is finished. With too little memory
+  /// for two films, tracking continues in the film of the draft.
   void end_draft() {
     if (!picture_->drafting || picture_->film().count() < kDraftSamples) return;
     picture_->drafting = false;
@@ -314,13 +314,13 @@ class CpuFrameRenderer final : public FrameRenderer {
     picture_->draft = std::exchange(picture_->owned, std::move(film));
   }
 
-  /// Whether the next sample is one of the exact walk.
+  /// Returns whether the exact walk renders the next sample.
   bool next_is_exact() const {
     if (method_.walk == Walk::kDraft && picture_->draft_samples == 0) return false;
     return use_exact_walk(picture_->prepared, method_);
   }
 
-  /// Returns the correction of the exposure.
+  /// Returns the stops that automatic exposure adds.
   double stops() const {
     const PreparedScene& scene = picture_->prepared;
     const CpuFilm& film = picture_->shown();
@@ -330,7 +330,8 @@ class CpuFrameRenderer final : public FrameRenderer {
   /// Returns the factor of the radiance on the display.
   float scale() const { return display_scale(picture_->prepared.exposure + stops()); }
 
-  /// Fills the film's samples. Returns false if stopped; the next call then continues.
+  /// Renders the next sample into CpuFilm::samples(). Returns false if stopped; the next call
+  /// continues the sample.
   bool one_sample(const std::function<bool()>& stop) {
     const PreparedScene& s = picture_->prepared;
     const PreparedTransfer& t = *s.transfer;
@@ -344,7 +345,8 @@ class CpuFrameRenderer final : public FrameRenderer {
     const ExactTables& e = t.exact;
     view.exact = exact_view_of(s, volume_->grid(), volume_->view().size, e.pieces.data(),
                                e.piece_of.data(), e.skips.data());
-    // Half as many hits reach the same error in the same time, but show a picture twice as often.
+    // With half as many hits, a sample takes half the time, and the error after a given time is the
+    // same, so the user sees a picture twice as often.
     if (method_.walk == Walk::kDraft) {
       for (std::int32_t& count : view.exact.strata) count = (count + 1) / 2;
     }

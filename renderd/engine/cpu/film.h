@@ -16,7 +16,7 @@
 namespace diaphane::render {
 
 /// The accumulated picture in host memory: 56 bytes per pixel, 6 more with guides and 32 more while
-/// guides are recorded. The threads of the pool share the work on it.
+/// guides are recorded. Functions divide their work among the threads of the pool.
 class CpuFilm {
  public:
   /// `voxel` is the voxel size in mm, for guides.
@@ -26,20 +26,20 @@ class CpuFilm {
   Result<void> set_share(const Share& share);
   bool take(FilmPart& out);
   Result<void> merge(const FilmPart& part);
-  /// The rows of the share: [first_row(), last_row()).
+  /// These bound the rows of the share: [first_row(), last_row()).
   std::uint32_t first_row() const { return first_row_; }
   std::uint32_t last_row() const { return last_row_; }
   /// Returns the number of the next sample in the sequence of the share.
   std::uint64_t drawn() const { return drawn_; }
 
-  /// The buffer for one sample per pixel. The renderer writes the rows of the share before it calls
-  /// fold().
+  /// Returns the buffer for one sample per pixel. The renderer writes the rows of the share before
+  /// it calls fold().
   Sample* samples() { return samples_.data(); }
   /// Adds the contents of samples() as the next sample of every pixel of the share. Returns the
   /// number of dropped samples.
   std::uint64_t fold();
-  /// The buffer for the guides of the next sample, similar to samples(); null if no guides are
-  /// recorded.
+  /// Returns the buffer for the guides of the next sample, similar to samples(). Returns null if no
+  /// guides are recorded.
   Guides* guides() { return guide_samples_.empty() ? nullptr : guide_samples_.data(); }
 
   /// Returns the number of samples of the pixels with the fewest.
@@ -58,9 +58,9 @@ class CpuFilm {
            guide_samples_.size() * sizeof(Guides) + guides_.size() * sizeof(PackedGuides);
   }
   /// Returns the estimated error of the whole picture (film/error.h). The value is kept until the
-  /// next fold.
+  /// film changes.
   double error() const;
-  /// Returns the mean radiance of the subject (film/exposure.h). The value is kept likewise.
+  /// Returns the mean radiance of the subject (film/exposure.h). The value is kept as well.
   double mean() const { return metering().mean; }
   void display(float scale, PictureRgb8& out) const;
   void radiance(PictureRgbF& out) const;
@@ -76,7 +76,7 @@ class CpuFilm {
   std::uint64_t samples_of(std::uint32_t row) const {
     return by_stripe_.empty() ? count_ : by_stripe_[row / kShareRows];
   }
-  /// Returns the number of samples of the share's rows that were not taken.
+  /// Returns the number of samples of the share's rows that take() has not taken.
   std::uint64_t own() const { return drawn_ - taken_; }
   void recount();
   const Metering& metering() const;
@@ -88,9 +88,9 @@ class CpuFilm {
   Canvas size_;
   std::uint32_t first_row_ = 0, last_row_;
   std::uint64_t drawn_ = 0;            ///< samples since the share began
-  std::uint64_t taken_ = 0;            ///< number of these that were taken
+  std::uint64_t taken_ = 0;            ///< number of these samples that were taken
   std::vector<std::uint64_t> merged_;  ///< samples of other devices per kShareRows rows, or empty
-  // Derived from the members above.
+  // recount() derives the next two members from those above.
   std::uint64_t count_ = 0;
   std::vector<std::uint64_t> by_stripe_;  ///< empty if all rows have the same number
   std::vector<Sample> samples_;
@@ -101,7 +101,7 @@ class CpuFilm {
   std::vector<PackedGuides> guides_;
   float voxel_;
   ToneCurve curve_ = ToneCurve::kLinear;
-  // Empty if not computed since the film changed.
+  // These are empty if they were not computed since the film changed.
   mutable std::optional<Metering> metering_;
   mutable std::optional<double> error_;
 };

@@ -9,9 +9,9 @@ namespace diaphane::render {
 /// A request for one sample of each pixel of a tile.
 struct CpuTile {
   std::uint32_t x0, y0, x1, y1;  ///< pixels [x0, x1) x [y0, y1)
-  std::uint64_t sample;          ///< number in the random stream
+  std::uint64_t sample;          ///< number of the sample, from 0 (CpuFilm::drawn)
   Sample* samples;               ///< the samples of the whole picture, rows from the top
-  Guides* guides;  ///< the same for guides; used only by a kernel with Feature::kGuides
+  Guides* guides;  ///< the guides of the whole picture, or null; needs Feature::kGuides
 };
 
 using CpuVolumeView = LinearVolume;

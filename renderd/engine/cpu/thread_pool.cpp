@@ -10,7 +10,7 @@
 namespace diaphane::render {
 namespace {
 
-// On Linux the priority is per thread.
+// Returns the nice value of the calling thread. On Linux, each thread has its own.
 int nice_value() { return getpriority(PRIO_PROCESS, 0); }
 
 }  // namespace

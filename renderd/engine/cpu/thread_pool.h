@@ -17,11 +17,11 @@ namespace diaphane::render {
 /// threads has n - 1 for loops of precedence 0 and n - 1 for the others. Loops of several callers
 /// run concurrently: each caller works on its own loop, and the threads of the pool join the loop
 /// with the fewest workers. While a loop runs, all loops of lower precedence pause between two
-/// pieces. Threads for precedence 0 take over the nice value of a caller that has a higher one, so
-/// that the piece at which a loop pauses does not delay the loop for which it does.
+/// pieces. The threads for precedence 0 adopt the nice value of a caller if it is higher, so that
+/// the pieces that they still have to finish hardly delay a loop of higher precedence.
 class ThreadPool {
  public:
-  /// Precedences are from 0, which pauses nothing, to this, exclusive.
+  /// Precedences range from 0, which pauses no other loop, to kPrecedences - 1.
   static constexpr unsigned kPrecedences = 8;
 
   /// `threads` is the number of threads; 0 means one per core.
@@ -33,15 +33,15 @@ class ThreadPool {
   unsigned threads() const { return static_cast<unsigned>(workers_.size()) / 2 + 1; }
 
   /// Calls `work(i)` once for each i in [first, count), in any order, and returns when all calls
-  /// have returned. Calls `before_each`, if there is one, only on the calling thread: before each
-  /// of its pieces, and repeatedly during a pause. If it returns true, the pieces that have not
-  /// begun are skipped. Returns the first piece that has not been called, so that another loop can
-  /// begin there; it is `count` unless the loop was stopped. `work` must not throw and must not
-  /// call run().
+  /// have returned. Calls `before_each`, if it is set, only on the calling thread: before each of
+  /// that thread's pieces, and repeatedly during a pause. If `before_each` returns true, the pieces
+  /// that have not begun are skipped. Returns the first piece that was not called, so that another
+  /// loop can begin there; this is `count` unless the loop was stopped. `work` must not throw and
+  /// must not call run().
   std::uint32_t run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
                     const std::function<bool()>& before_each = nullptr, unsigned precedence = 0,
                     std::uint32_t first = 0);
-  /// As above, with a precedence that raise() can change while the loop runs.
+  /// Works like the function above, with a precedence that raise() can change while the loop runs.
   std::uint32_t run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
                     const std::function<bool()>& before_each,
                     const std::atomic<unsigned>& precedence, std::uint32_t first = 0);
@@ -53,8 +53,8 @@ class ThreadPool {
     const std::function<void(std::uint32_t)>& work;
     std::uint32_t count;
     const std::atomic<unsigned>& precedence;
-    int nice;              // of the caller
-    unsigned counted = 0;  // precedence with which it is counted in `running_`
+    int nice;              // nice value of the caller
+    unsigned counted = 0;  // precedence under which `running_` counts this loop
     std::atomic<std::uint32_t> next{0};
     std::atomic<bool> stopped{false};
     unsigned busy = 0;  // number of workers in this loop
@@ -69,10 +69,10 @@ class ThreadPool {
   }
 
   void worker(Kind kind);
-  // Of those that may run, the one with fewest workers. Call it with the lock held.
+  // Returns the loop with the fewest workers among those that may run. Requires the lock.
   Loop* open_loop(Kind kind);
   bool pauses(const Loop& loop) const { return loop.precedence < highest_; }
-  // Call these with the lock held.
+  // These two functions require the lock.
   void count_loop(unsigned precedence, int change);
   void find_highest();
   void take_pieces(Loop& loop);
@@ -88,8 +88,8 @@ class ThreadPool {
   std::vector<std::thread> workers_;
 };
 
-/// A pool as one renderer uses it. The precedence of the renderer's loops is set between its
-/// pictures, and can be raised while a loop runs.
+/// One renderer's view of a pool. The precedence of the renderer's loops is set between its
+/// pictures and can be raised while a loop runs.
 class RendererThreads {
  public:
   explicit RendererThreads(ThreadPool& pool) : pool_(pool) {}
@@ -97,7 +97,7 @@ class RendererThreads {
   void set_precedence(unsigned precedence) {
     precedence_ = std::min(precedence, ThreadPool::kPrecedences - 1);
   }
-  /// Thread-safe.
+  /// Raises the precedence, even while a loop runs. Thread-safe.
   void raise_precedence(unsigned precedence) {
     pool_.raise(precedence_, std::min(precedence, ThreadPool::kPrecedences - 1));
   }

@@ -12,11 +12,11 @@ namespace diaphane::render::cuda {
 
 /// The device data that depends on both a volume and one renderer's transfer function: the
 /// extinction and its maxima, the bounds of every macrocell, and the box around all cells that are
-/// not empty. An edit uploads only the table. The value ranges of the cells stay on the device with
-/// the volume.
+/// not empty. After an edit of the transfer function, only its table is uploaded. The value ranges
+/// of the cells stay on the device with the volume.
 ///
-/// Any other data that depends on both voxels and transfer function belongs here: its memory in
-/// reserve(), its computation in rebuild_acceleration().
+/// Any other data that depends on both voxels and transfer function belongs here. reserve() must
+/// allocate it, and rebuild_acceleration() must compute it.
 class Acceleration {
  public:
   /// Allocates memory for a transfer function of this size. Returns a new object if `current` is
@@ -29,11 +29,11 @@ class Acceleration {
   /// null if the scene has none. Waits for the result, because it decides which kernel is used.
   Result<void> rebuild_acceleration(const CudaVolume& volume, const PreparedTransfer& transfer,
                                     const PreparedLabels* labels, cudaStream_t stream);
-  /// LabelsView::looks, valid if the last rebuild had labels.
+  /// Returns LabelsView::looks, which is valid if the last rebuild had labels.
   const LabelLook* looks() const { return looks_.data(); }
 
-  /// Does the same for the exact walk. Call it after rebuild_acceleration() and only if the scene
-  /// uses the walk.
+  /// Uploads and computes the data of the exact walk. Call it after rebuild_acceleration(), and
+  /// only if the scene uses the exact walk.
   Result<void> rebuild_exact(const CudaVolume& volume, const ExactTables& tables,
                              cudaStream_t stream);
   const ExtinctionPiece* pieces() const { return pieces_.data(); }
@@ -43,12 +43,12 @@ class Acceleration {
   const float* extinction() const { return maxima_.data(); }
   const CellBounds* bounds() const { return bounds_.data(); }
   Int3 cells() const { return cells_; }
-  /// The box in voxels; empty if the whole volume is empty.
+  /// Returns the box around all cells that are not empty, in voxels; empty if there are none.
   Box occupied() const;
-  /// Whether the scene needs Feature::kSteepExtinction, computed in the same way as is_steep in
+  /// Returns whether the scene needs Feature::kSteepExtinction, in the same way as is_steep() in
   /// scene/transfer.cpp.
   bool steep(Float3 spacing) const;
-  /// Fraction of the cells that are skipped.
+  /// Returns the fraction of the cells that are skipped.
   double empty_cells() const;
   std::uint64_t device_bytes() const;
 

@@ -19,7 +19,7 @@ __device__ Int3 coordinates(std::int32_t cell, Int3 cells) {
   return {cell % cells.x, cell / cells.x % cells.y, cell / cells.x / cells.y};
 }
 
-/// One warp per cell reads the voxels [8i - 1, 8i + 8] along each axis, clamped to the volume.
+/// Computes the range of cell i, one per warp, from the voxels 8i - 1 to 8i + 8 along each axis.
 __global__ void range_kernel(TextureVolume volume, Int3 cells, std::int32_t count,
                              ValueRange* ranges, std::int32_t* low_high) {
   const std::int32_t cell = static_cast<std::int32_t>(thread_index() / kWarp);
@@ -69,7 +69,7 @@ __device__ float table_at(const TableRows& table, double x) {
   const std::int32_t node = min(static_cast<std::int32_t>(x), table.count - 2);
   const float w = static_cast<float>(x - static_cast<double>(node));
   const float a = table.maxima[node];
-  // Two roundings, like on the host, so that the results are equal.
+  // Product and sum are rounded separately, as on the host, so that the results are equal.
   return __fadd_rn(a, __fmul_rn(w, __fsub_rn(table.maxima[node + 1], a)));
 }
 

@@ -47,8 +47,8 @@ Result<void> CudaDenoiser::run(DenoiseWork w, float scale, std::uint8_t* rgb, fl
                variance_.data(), from_variance_.data(), to_variance_.data(),
                steering_.data(), slope_.data(),         gains_.data()};
   DIAPHANE_CUDA_TRY(cudaEventRecord(begin_->get(), stream));
-  // The picture overwrites buffers that the passes no longer need, so it takes no memory of a
-  // session.
+  // The picture overwrites buffers that the passes no longer need, so it takes no additional
+  // memory.
   static_assert(kDenoisePasses >= 2 && kDenoisePasses % 2 == 0, "the last one writes `from`");
   auto* rgb_here = rgb == nullptr ? nullptr : reinterpret_cast<std::uint8_t*>(variance_.data());
   auto* radiance_here = radiance == nullptr ? nullptr : reinterpret_cast<float*>(to_.data());
@@ -60,7 +60,7 @@ Result<void> CudaDenoiser::run(DenoiseWork w, float scale, std::uint8_t* rgb, fl
     DIAPHANE_CUDA_TRY(cudaMemcpyAsync(radiance, radiance_here, numbers * sizeof(float),
                                       cudaMemcpyDeviceToHost, stream));
   }
-  // The next session may use the memory on another stream.
+  // The next session may use the memory on another stream, which would not wait for this one.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
   DIAPHANE_CUDA_TRY(cudaEventElapsedTime(&milliseconds_, begin_->get(), end_->get()));
   return {};

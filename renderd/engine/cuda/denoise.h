@@ -29,22 +29,22 @@ struct DenoiseWork {
   DenoiseBuffers buffers;
 };
 
-/// Queues the whole filter and then the blend, which reads only `raw`, `from`, `steering` and
-/// `gains` of the buffers. It writes either `rgb` (radiance times `scale` through the display
+/// Queues the whole filter and then the blend. Of the buffers, the blend reads only `from`,
+/// `steering` and `gains`. It writes either `rgb` (radiance times `scale` through the display
 /// curve) or `radiance`; the other pointer is null. Both have 3 numbers per pixel.
 cudaError_t denoise(DenoiseWork work, float scale, std::uint8_t* rgb, float* radiance,
                     cudaStream_t stream);
 
-/// Runs denoise() in memory of its own, which also holds the finished picture. Sessions take turns
-/// to use it. Film and guides belong to the session.
+/// Runs denoise() in working memory that also holds the finished picture. All sessions of a device
+/// take turns to use it. Film and guides belong to the session.
 class CudaDenoiser {
  public:
   /// Works like denoise(), but writes to host memory and waits for the stream. Fills in
   /// `work.buffers`.
   Result<void> run(DenoiseWork work, float scale, std::uint8_t* rgb, float* radiance,
                    cudaStream_t stream);
-  /// Duration of the kernels of the last run(), measured between two events on the stream; 0 before
-  /// the first run.
+  /// Returns the duration of the kernels of the last run(), measured between two events on the
+  /// stream, or 0 before the first run.
   double last_milliseconds() const;
 
  private:

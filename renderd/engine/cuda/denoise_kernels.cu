@@ -2,7 +2,7 @@
 #include "renderd/film/tone.h"
 
 // The functions of film/denoise.h on the device, with one thread per pixel. Neighbours are read
-// through the caches. The picture takes 36 bytes per tap and stays in the L2 cache during a whole
+// through the caches. A tap reads 36 bytes, and the arrays stay in the L2 cache during a whole
 // pass, so memory does not limit the speed.
 
 namespace diaphane::render::cuda {
@@ -39,7 +39,7 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
       pack(steering_of(g, takes_part(w.picture.film, at.pixel, samples, g)));
 }
 
-/// Computes slopes, and the deviation of a picture that has no halves.
+/// Computes slopes, and the deviation of pixels of one sample, which have no halves.
 __global__ void __launch_bounds__(kBlockX* kBlockY)
     steer_kernel(const __grid_constant__ DenoiseWork w) {
   const Place at = place_of(w.picture);
@@ -69,11 +69,11 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
   offer(below);
   offer(left);
   offer(above);
-  // No other thread reads or writes this number in this kernel.
+  // No other thread of this kernel uses this number.
   w.buffers.raw[at.pixel].w = deviation.value;
 }
 
-/// Computes the mean of d^2 over 7 x 7 pixels from a tile in shared memory.
+/// Computes the variance, the mean of d^2 over 7 x 7 pixels, from a tile in shared memory.
 __global__ void __launch_bounds__(kBlockX* kBlockY)
     variance_kernel(const __grid_constant__ DenoiseWork w) {
   constexpr std::int32_t kReach = kVarianceReach;
@@ -158,7 +158,7 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
   to_variance[at.pixel] = variances * inverse * inverse;
 }
 
-/// One block sums one tile, with one thread per pixel. The sum is a tree, so that its order and its
+/// Sums one tile per block, with one thread per pixel. The sum is a tree, so that its order and its
 /// bits are always the same.
 __global__ void __launch_bounds__(kGainTile* kGainTile)
     gain_kernel(const __grid_constant__ DenoiseWork w, const Float4* __restrict__ filtered) {

@@ -14,8 +14,8 @@
 namespace diaphane::render {
 namespace {
 
-/// Engines of the same kind of device in one process compile their kernels only once, because a
-/// kernel of a CUDA library is not bound to one device.
+/// Returns the kernels that all engines of one architecture in this process share, so that each is
+/// compiled only once. That works because a kernel of a CUDA library is not bound to one device.
 std::shared_ptr<cuda::VariantStore> variants_for(const EngineOptions& options, int architecture) {
   using Key = std::tuple<KernelChoice, std::string, int>;
   static std::mutex mutex;
@@ -30,8 +30,8 @@ std::shared_ptr<cuda::VariantStore> variants_for(const EngineOptions& options, i
   return store;
 }
 
-/// Before allocating or launching, every function makes the device current for the calling thread.
-/// Volumes and renderers have separate streams, and what they share is thread-safe.
+/// The CUDA engine. Functions that allocate or launch first make the device current for the calling
+/// thread. Volumes and renderers have separate streams, and what they share is thread-safe.
 class CudaEngine : public Engine {
  public:
   CudaEngine(EngineInfo info, const EngineOptions& options, int architecture)
@@ -59,7 +59,7 @@ class CudaEngine : public Engine {
       return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
     }
     DIAPHANE_CUDA_TRY(cudaSetDevice(device_));
-    // The bricks and nodes of the exact walk take between a fifth and twice the memory of the
+    // The bricks and nodes of the exact walk would take between a fifth and twice the memory of the
     // volume.
     if (lean_memory_ && method.walk != Walk::kExact) method.walk = Walk::kTracking;
     return cuda::CudaRenderer::make(std::move(ours), shares_, seed, first_sample, method);

@@ -9,8 +9,8 @@ namespace diaphane::render {
 
 /// Makes the CUDA engine on the visible device `options.device`. Fails with kUnavailable if the
 /// device does not exist or the program contains no code for it, and with kOutOfMemory if the
-/// device has too little free memory. The message names the device and the cause. Exists only in
-/// builds with the target `render_cuda` (DIAPHANE_HAVE_CUDA).
+/// device has too little free memory. The message names the device and the cause. This function
+/// exists only in builds with the target `render_cuda` (DIAPHANE_HAVE_CUDA).
 Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineOptions& options = {});
 
 /// Returns the number of visible devices, or 0 if the driver cannot be used.

@@ -6,9 +6,9 @@
 
 namespace diaphane::render::cuda {
 
-/// Translates a CUDA status. After kOutOfMemory the context still works and nothing was half done.
-/// kUnavailable means that there is no device or no driver. Any other status breaks the context for
-/// the whole process and becomes kDeviceLost.
+/// Translates a CUDA status. After kOutOfMemory, the context still works and the call had no
+/// effect. kUnavailable means that there is no usable device or driver. Any other status breaks the
+/// context for the whole process and becomes kDeviceLost.
 Error error_of(cudaError_t status);
 
 }  // namespace diaphane::render::cuda

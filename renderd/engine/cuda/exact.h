@@ -18,8 +18,8 @@ struct ExactKernels {
   std::shared_ptr<const Variant> indirect;  ///< null without Feature::kBounces
 };
 
-/// The number of blocks of the light kernel that run at once. Each launch has this size, however
-/// much work there is.
+/// Returns the number of blocks of the light kernel that run at once. Each launch has this size,
+/// however much work there is.
 Result<std::uint32_t> light_blocks(const Variant& light);
 
 /// Queues one launch, which traces the stripe and adds it to the film. The scratch memory must have

@@ -5,8 +5,8 @@
 #include "renderd/engine/cuda/warp_reduce.cuh"
 #include "renderd/kernel/exact_estimator.h"
 
-// Kernel 1 of the exact walk, with one thread per item. It is compiled by nvcc (ahead of time) and
-// by NVRTC.
+// Kernel 1 of the exact walk, which walks camera rays, with one thread per item. It is compiled by
+// nvcc (ahead of time) and by NVRTC.
 
 namespace diaphane::render::cuda {
 
@@ -22,8 +22,8 @@ HOST_DEVICE std::int32_t strata_before(const ExactView& exact, int kind) {
   return sum;
 }
 
-/// Holds the hits of a warp until their number is known. They are indexed by the stratum over all
-/// kinds and by the lane, so that no two lanes access the same bank.
+/// Holds the hits of a warp in shared memory until their number is known. They are indexed by the
+/// stratum over all kinds and by the lane, so that no two lanes access the same bank.
 struct StagedHits {
   float* memory;
   std::int32_t strata;
@@ -39,9 +39,9 @@ struct StagedHits {
   }
 };
 
-/// Copies a tile's hits of the kinds from `first` up to `end`, exclusive, contiguously to hits[base
-/// ...]. They are ordered by stratum and, within a stratum, by lane. gather_kernel relies on this
-/// order.
+/// Copies a tile's hits of the kinds from `first` up to `end`, exclusive, contiguously to `hits`.
+/// The order is by stratum and, within a stratum, by lane. gather_kernel relies on this order.
+/// `slot` is the item's first HitRecord::slot.
 __device__ __forceinline__ void copy_hits(const ExactView& exact, const StagedHits& staged,
                                           const ExactItem& item, int first, int end,
                                           std::uint32_t slot, HitRecord* hits) {
@@ -62,7 +62,7 @@ __device__ __forceinline__ void copy_hits(const ExactView& exact, const StagedHi
   }
 }
 
-/// Returns the sum over all lanes.
+/// Returns the number of hits of the kinds from `first` up to `end`, exclusive, of all lanes.
 __device__ __forceinline__ std::uint32_t hits_in_tile(const ExactItem& item, int first, int end) {
   std::int32_t mine = 0;
   for (int kind = first; kind < end; ++kind) mine += item.hits_of(kind);

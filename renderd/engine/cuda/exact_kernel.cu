@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kGatherBlock = 64;
 
-/// Returns the light of one item: the sum over its hits in the order in which copy_hits() stored
-/// them.
+/// Returns the light of one item: the sum over its hits, in the order in which copy_hits() stored
+/// the hits. All lanes of the warp must call this function.
 __device__ Float3 light_of(const ExactView& exact, const ExactItem& item, const TileHits& tile,
                            const ExactScratch& scratch, std::uint32_t lane) {
   Float3 sum = item.radiance;
@@ -39,7 +39,7 @@ __device__ Float3 light_of(const ExactView& exact, const ExactItem& item, const 
   return sum;
 }
 
-/// Kernel 3, with one thread per pixel.
+/// Kernel 3 of the exact walk, which adds the items to the film, with one thread per pixel.
 template <bool Guided>
 __global__ void __launch_bounds__(kGatherBlock)
     gather_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
@@ -72,8 +72,8 @@ __global__ void __launch_bounds__(kGatherBlock)
   if constexpr (Guided) add_guides(target, pixel, stripe, guides);
 }
 
-// A kernel template cannot be a template argument, so a type that names its instances represents
-// it.
+// A kernel template cannot be a template argument, so each of the types below stands for a kernel
+// and returns its instances.
 struct Camera {
   template <std::uint32_t Bits>
   static const void* entry() {
@@ -100,8 +100,8 @@ const void* entry_of(std::size_t index, std::index_sequence<I...>) {
   return table[index];
 }
 
-/// Only the gather kernel writes guides, so of the other kernels only the general one has the
-/// feature.
+/// Returns the smallest suitable instance. Guides count only if all features are needed, because
+/// the gather kernel alone records them.
 template <typename Kernel>
 KernelTemplate::Instance ahead_of_time(Features needed) {
   const std::size_t index =

@@ -19,7 +19,7 @@ __device__ Int3 coordinates(std::int32_t i, Int3 size) {
 }
 std::int32_t count_of(Int3 bricks) { return bricks.x * bricks.y * bricks.z; }
 
-/// One warp per brick reads the voxels 4b - 1 to 4b + 3 along each axis, clamped to the volume.
+/// Computes the range of brick b, one per warp, from the voxels 4b - 1 to 4b + 3 along each axis.
 __global__ void range_kernel(TextureVolume volume, Int3 bricks, std::int32_t count,
                              ValueRange* ranges) {
   const std::int32_t brick = thread_index() / static_cast<std::int32_t>(kWarp);
@@ -63,15 +63,15 @@ struct Octant {
   __device__ explicit Octant(int octant)
       : towards{(octant & 1) != 0 ? 1 : -1, (octant & 2) != 0 ? 1 : -1,
                 (octant & 4) != 0 ? 1 : -1} {}
-  /// Whether the cube of 2^level bricks that begins at `b` is empty. Everything outside the volume
-  /// is.
+  /// Returns whether the cube of 2^level bricks that begins at `b` is empty. Everything outside the
+  /// volume counts as empty.
   __device__ bool empty(const std::uint8_t* levels, Int3 bricks, Int3 b, int level) const {
     if (b.x < 0 || b.y < 0 || b.z < 0 || b.x >= bricks.x || b.y >= bricks.y || b.z >= bricks.z)
       return true;
     return (levels[b.x + bricks.x * (b.y + bricks.y * b.z)] >> level & 1) != 0;
   }
-  /// Whether the cube of 2^level + offset bricks is empty, for an offset of at most 2^level: eight
-  /// overlapping cubes of 2^level bricks cover it.
+  /// Returns whether the cube of 2^level + offset bricks is empty, for an offset of at most
+  /// 2^level. Eight overlapping cubes of 2^level bricks cover it.
   __device__ bool covered(const std::uint8_t* levels, Int3 bricks, Int3 b, int level,
                           std::int32_t offset) const {
     for (int corner = 0; corner < 8; ++corner) {
@@ -84,8 +84,8 @@ struct Octant {
   }
 };
 
-/// Computes level `level` from the previous one. Another thread may read the byte at the same time,
-/// but it uses only the bits of lower levels.
+/// Computes level `level` from the previous level. Another thread may read the byte while it is
+/// written, but uses only the bits of lower levels.
 __global__ void level_kernel(std::uint8_t* levels, Int3 bricks, std::int32_t count, int level) {
   const std::int32_t brick = thread_index();
   if (brick >= count) return;
@@ -118,7 +118,7 @@ __global__ void skip_kernel(const std::uint8_t* levels, Int3 bricks, std::int32_
       static_cast<std::uint8_t>(skip);
 }
 
-/// One block fills a brick, with one thread per cell.
+/// Fills the slots of missing bricks, one brick per block at a time, with one thread per cell.
 __global__ void node_kernel(TextureVolume volume, Int3 bricks, NodePool pool) {
   const std::uint32_t missing = pool.counters[1];
   for (std::uint32_t i = blockIdx.x; i < missing; i += gridDim.x) {
@@ -190,7 +190,7 @@ cudaError_t find_skips(std::uint8_t* levels, Int3 bricks, std::uint8_t* skips,
 
 cudaError_t fill_nodes(const TextureVolume& volume, Int3 bricks, const NodePool& pool,
                        cudaStream_t stream) {
-  // Several blocks for each multiprocessor of the largest device.
+  // This is 32 blocks for each multiprocessor of an H100 or H200.
   constexpr std::uint32_t kBlocks = 132 * 32;
   node_kernel<<<kBlocks, 64, 0, stream>>>(volume, bricks, pool);
   taken_kernel<<<1, 1, 0, stream>>>(pool);

@@ -3,11 +3,11 @@
 #include "renderd/engine/cuda/exact_camera.cuh"
 
 // Kernel 2 of the exact walk, which traces rays from the hits to the lights. It is compiled by nvcc
-// (ahead of time) and by NVRTC. Warps take hits from the list until it is empty. A warp aims 32 of
-// them together, each at a light, and pushes the rays onto a stack. A lane that is free pops the
-// next ray. Rays end after 3 cells or after 300, so lanes that waited for the longest ray of their
-// warp would idle most of the time. The result of a ray goes back to its hit, so no sum depends on
-// the timing of lanes.
+// (ahead of time) and by NVRTC. Warps take hits from the list until it is empty. A warp aims 32
+// hits together, each at a light, and pushes the rays onto a stack. A lane that is free pops the
+// next ray. Some rays end after 3 cells and others after 300, so lanes that waited for the longest
+// ray of their warp would idle most of the time. The result of a ray goes back to its hit, so no
+// sum depends on the timing of lanes.
 
 namespace diaphane::render::cuda {
 
@@ -19,7 +19,7 @@ namespace diaphane::render::cuda {
 #if !defined(DIAPHANE_LIGHT_REFILL)
 #define DIAPHANE_LIGHT_REFILL 8
 #endif
-/// Number of steps between two checks of what the lanes wait for.
+/// Number of steps before a warp checks again which work its lanes wait for.
 #if !defined(DIAPHANE_LIGHT_STEPS)
 #define DIAPHANE_LIGHT_STEPS(F) ((F).has(Feature::kCurves) ? 1 : 3)
 #endif
@@ -60,7 +60,7 @@ __device__ __forceinline__ Corners cell_between(const SceneView<TextureVolume>& 
                               scene.volume.brick(b.x + e.brick_row * b.y + e.brick_slice * b.z));
 }
 
-/// Returns what must be done for the light of a hit.
+/// Returns the task of a hit that kernel 1 recorded.
 template <Features F>
 __device__ __forceinline__ HitTask task_of_record(const SceneView<TextureVolume>& scene,
                                                   const Stripe& stripe, const ExactItem* items,
@@ -71,8 +71,8 @@ __device__ __forceinline__ HitTask task_of_record(const SceneView<TextureVolume>
                                 number / kTilePixels, number % kTilePixels);
   int kind = 0;
   while (stratum >= scene.exact.strata[kind]) stratum -= scene.exact.strata[kind++];
-  // The argument is a constant for the compiler, which removes the code for continued paths from
-  // the other kernel.
+  // `indirect` is a constant at compile time, so that the light kernel contains no code for
+  // continued paths.
   if (indirect) kind = kIndirect;
   CameraRay camera;
   camera.ray = {items[number].origin, items[number].direction};
@@ -88,10 +88,10 @@ __device__ __forceinline__ HitTask task_of_record(const SceneView<TextureVolume>
                     Hit{t, corners.at(segment.at(t))});
 }
 
-/// Aims the hit `index` and pushes its ray onto the stack if it must be walked. Takes and returns
-/// the number of rays on the stack. Until the ray has been walked, the hit holds its weight. The
-/// whole warp must call this function. It is inline, because a call would spill the rays in
-/// progress at each step.
+/// Aims the hit `index` at a light and pushes the ray onto the stack if it must be walked. Takes
+/// and returns the number of rays on the stack. Until the ray has been walked, the hit holds the
+/// weight of its light. The whole warp must call this function. It is inline, because a call would
+/// spill the registers of the rays in progress.
 template <Features F>
 __device__ __forceinline__ int aim(const SceneView<TextureVolume>& scene, const Stripe& stripe,
                                    const ExactScratch& scratch, std::uint32_t index,
@@ -136,7 +136,7 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
   const std::uint32_t total = scratch.counters[kLightHits];
   int stacked = 0;
   bool more = true;
-  // The next work of a lane.
+  // The work that a lane waits for.
   enum Wants : int { kRay, kCell, kNewParts, kPart } wants = kRay;
   constexpr std::uint32_t kNoHit = ~0u;
   std::uint32_t hit = kNoHit;

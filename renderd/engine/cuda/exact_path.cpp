@@ -7,7 +7,7 @@
 namespace diaphane::render::cuda {
 namespace {
 
-/// More samples per launch would not be faster.
+/// Maximum number of samples per launch. A larger number would not be faster.
 constexpr std::uint64_t kMostSamples = 32;
 
 ExactNeeds needs_of(const PreparedScene& scene) {
@@ -42,7 +42,7 @@ Result<void> ExactPath::reserve(const PreparedScene& scene) {
 }
 
 Result<void> ExactPath::choose_kernels(VariantStore& variants, Features needed) {
-  // Neither kernel tracks, and the third kernel records the guides.
+  // The camera and light kernels do not track, and the gather kernel records the guides.
   const Features walked = needed.without(Feature::kGuides).without(Feature::kSteepExtinction);
   kernels_.camera = variants.get(kExactCamera, walked);
   kernels_.light = variants.get(kExactLight, walked.without(Feature::kBounces));

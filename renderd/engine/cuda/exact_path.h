@@ -9,7 +9,7 @@
 
 namespace diaphane::render::cuda {
 
-/// Renders one session's scene by the exact walk: chooses kernels, launch sizes and memory.
+/// Renders one session's scene by the exact walk. Chooses kernels, launch sizes and memory.
 class ExactPath {
  public:
   explicit ExactPath(std::shared_ptr<ExactWorkspace> workspace)
@@ -17,9 +17,9 @@ class ExactPath {
 
   /// Reserves memory for the launches of the scene. After kOutOfMemory, nothing has changed.
   Result<void> reserve(const PreparedScene& scene);
-  /// Takes the best kernels that are compiled now.
+  /// Chooses the best available kernels for these features (VariantStore::get).
   Result<void> choose_kernels(VariantStore& variants, Features needed);
-  /// The kernel that does most of the work.
+  /// Returns the kernel that does most of the work.
   const Variant& variant() const { return *kernels_.light; }
 
   std::uint64_t shared_bytes() const { return workspace_->device_bytes(); }
@@ -29,7 +29,7 @@ class ExactPath {
 
   /// Returns the maximum number of samples per pixel in one launch.
   std::uint32_t samples() const { return samples_; }
-  /// Returns the maximum number of rows in a launch of so many samples; a multiple of kStripeRows.
+  /// Returns the maximum rows of a launch of `samples` samples; a multiple of kStripeRows.
   std::uint32_t rows(std::uint32_t samples) const;
   Result<void> launch(const SceneView<TextureVolume>& scene, const Stripe& stripe,
                       const TraceTarget& target, cudaStream_t stream) const;
@@ -37,7 +37,7 @@ class ExactPath {
  private:
   std::shared_ptr<ExactWorkspace> workspace_;
   ExactNeeds needs_;
-  std::uint64_t room_ = 0;       ///< items
+  std::uint64_t room_ = 0;       ///< number of items for which memory is reserved
   std::uint64_t row_items_ = 0;  ///< items in kStripeRows rows of one sample
   std::uint32_t samples_ = 1;
   ExactKernels kernels_;

@@ -45,7 +45,7 @@ Result<std::uint64_t> ExactMemory::reserve(const ExactNeeds& needs, std::uint64_
     if (room(needs) >= items_per_launch) break;
     const auto grown = grow(needs, items_per_launch);
     if (grown) break;
-    // Half of the memory is enough too, with more launches.
+    // Half as many items also work, with more launches per sample.
     if (grown.error().code != ErrorCode::kOutOfMemory || items_per_launch == least) {
       return tl::unexpected(grown.error());
     }
@@ -85,7 +85,7 @@ Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint
   return memories_[0].reserve(needs, items, least);
 }
 
-// Returns whether a memory has enough room, and allocates it if possible.
+// Returns whether a memory has enough room, after it tried to grow the memory if necessary.
 bool ExactWorkspace::serves(std::size_t memory, const ExactNeeds& needs, std::uint64_t items) {
   if (memories_[memory].room(needs) >= items) return true;
   if (items >= refused_[memory]) return false;
@@ -96,8 +96,8 @@ bool ExactWorkspace::serves(std::size_t memory, const ExactNeeds& needs, std::ui
 }
 
 // Returns the first memory if this stream used it last or if it is idle. Otherwise an urgent stream
-// gets the urgent memory, and others get the second memory if it can be allocated. If both are
-// busy, streams alternate between them.
+// gets the urgent memory, and others get the second memory if it can be allocated. If the first and
+// the second memory are busy, streams alternate between them.
 ExactMemory& ExactWorkspace::chosen(const ExactNeeds& needs, std::uint64_t items,
                                     cudaStream_t stream) {
   auto& [first, second, urgent] = memories_;

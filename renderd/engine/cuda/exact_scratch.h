@@ -12,7 +12,7 @@
 
 namespace diaphane::render::cuda {
 
-/// The memory needs of an item.
+/// The properties of a scene that determine the memory of an item.
 struct ExactNeeds {
   std::uint32_t light_strata = 0, indirect_strata = 0;  ///< maximum number of hits
   bool glow = false;                                    ///< Feature::kEmission
@@ -24,12 +24,12 @@ struct ExactNeeds {
   }
 };
 
-/// Number of items per launch, enough to keep the device busy. It is a constant because the number
-/// of samples per launch, and so the exact bits of a picture, depend on it. An item takes about 300
-/// bytes.
+/// Number of items per launch, enough to keep the device busy. The number of samples per launch,
+/// and with it the exact bits of a picture, depends on this number, so it is a constant. An item
+/// takes about 300 bytes.
 inline constexpr std::uint64_t kExactItems = std::uint64_t{1} << 19;
 
-/// Working memory of one launch of the exact walk. It only grows. Not thread-safe.
+/// The working memory of one launch of the exact walk, which only grows. Not thread-safe.
 class ExactMemory {
  public:
   /// Works like ExactWorkspace::reserve().
@@ -53,26 +53,26 @@ class ExactMemory {
   DeviceBuffer<HitRecord> hits_;
   DeviceBuffer<Float4> glow_;
   DeviceBuffer<std::uint32_t> counters_;
-  std::optional<Event> used_;  ///< after the last use
+  std::optional<Event> used_;  ///< recorded after the last use
   cudaStream_t last_ = nullptr;
 };
 
-/// Working memory of the exact walk for all sessions of a device, each of which has its own stream.
-/// There are two memories, so that the camera rays of one session overlap with the last light rays
-/// of another. A third serves urgent streams, which would otherwise wait behind the queued work of
-/// the others.
+/// The working memory of the exact walk for all sessions of a device, each of which has its own
+/// stream. There are two memories, so that the camera rays of one session overlap with the last
+/// light rays of another. A third memory serves urgent streams, which would otherwise wait behind
+/// the queued work of other sessions.
 class ExactWorkspace {
  public:
   using Launch = std::function<cudaError_t(const ExactScratch&)>;
 
   ExactWorkspace() { refused_.fill(std::numeric_limits<std::uint64_t>::max()); }
 
-  /// Reserves memory for `items` items, or for at least `least` if memory is short, and returns the
-  /// number. Leaves half of the free memory to pictures. After kOutOfMemory, nothing has changed.
+  /// Reserves memory for `items` items, or for at least `least` if memory is short. Leaves half of
+  /// the free memory to pictures if it can. Returns the number of items, at most `items`.
   Result<std::uint64_t> reserve(const ExactNeeds& needs, std::uint64_t items, std::uint64_t least);
 
   /// Calls `launch`, which queues its work on `stream` after all previous work that used the same
-  /// memory. It must not use more items than were reserved.
+  /// memory. `items` must not exceed the reserved number.
   Result<void> use(const ExactNeeds& needs, std::uint64_t items, cudaStream_t stream,
                    const Launch& launch);
   std::uint64_t device_bytes() const;

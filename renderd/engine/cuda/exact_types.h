@@ -5,8 +5,9 @@
 
 // The data that the kernels of the exact walk pass to each other. A launch processes a number of
 // items; an item is one sample of one pixel. Kernel 1 walks the camera rays and records where they
-// collide. Kernel 2 walks from there to the lights. With Feature::kBounces, the indirect kernel
-// then continues paths from collisions. Kernel 3 sums each item and adds it to the film.
+// collide. Kernel 2 walks rays from the collisions to the lights. With Feature::kBounces, the
+// indirect kernel then continues paths from collisions. Kernel 3 sums up each item and adds it to
+// the film.
 
 namespace diaphane::render::cuda {
 
@@ -41,10 +42,10 @@ HOST_DEVICE ItemPlace place_of(const TileGrid& tiles, const Stripe& stripe, std:
 struct alignas(16) ExactItem {
   Float3 origin;     ///< origin of the camera ray, in voxel indices
   Float3 direction;  ///< voxels per mm
-  Float3 radiance;   ///< radiance from behind the matter that reaches the camera
+  Float3 radiance;   ///< radiance of the background that reaches the camera
   Span span;         ///< range of the ray that may contain matter, mm
-  /// Number of strata with a hit, always the first ones, in 6 bits per kind. Bit 30 is set if the
-  /// ray hit matter or a slice, bit 31 if it shows a slice.
+  /// Number of strata with a hit, in 6 bits per kind; hits are always in the first strata. Bit 30
+  /// is set if the ray hit matter or a slice, and bit 31 if it shows a slice.
   std::uint32_t hits;
 
   HOST_DEVICE std::int32_t hits_of(int kind) const {
@@ -53,16 +54,16 @@ struct alignas(16) ExactItem {
 };
 inline constexpr std::uint32_t kItemMet = 1u << 30, kItemShowsSlice = 1u << 31;
 
-/// A collision of a camera ray. Kernel 1 writes its cell and optical depth, kernel 2 its light.
+/// A collision of a camera ray. Kernel 1 writes its position, and the next kernels its light.
 struct alignas(16) HitRecord {
-  /// mm along the ray, where it enters and leaves the cell, and the optical depth from there to the
-  /// hit. Later red, green and blue.
+  /// First the distances at which the ray enters and leaves the cell (mm), and the optical depth
+  /// from the entry to the hit. Later red, green and blue.
   float a, b, c;
-  std::uint32_t slot;  ///< item * 32 + stratum, counted through all kinds
+  std::uint32_t slot;  ///< item * kMostHits + stratum; strata are counted across all kinds
 };
 
-/// The index of the first hit of a tile, for hits that look for light and for hits from which paths
-/// continue.
+/// The indices of a tile's first hit that looks for light, and of its first hit from which a path
+/// continues.
 struct TileHits {
   std::uint32_t light, indirect;
 };
@@ -82,7 +83,7 @@ struct ExactScratch {
   /// The light that each of the `hits` emits itself. Null if the scene has no emission, even if the
   /// kernel supports it.
   Float4* glow;
-  std::uint32_t* counters;  ///< kExactCounters
+  std::uint32_t* counters;  ///< indexed by ExactCounter
   std::uint32_t indirect;
 };
 

@@ -12,12 +12,12 @@
 namespace diaphane::render::cuda {
 namespace {
 
-/// Number of pixels whose radiance is computed at once. Each takes 12 bytes, only while it is
-/// computed.
+/// Number of pixels whose radiance is computed at once. Each takes 12 bytes of temporary device
+/// memory.
 constexpr std::uint64_t kRadiancePixels = 1 << 18;
 
-/// Lets device `here`, the current one, read the memory of `there` directly if possible. Otherwise
-/// CUDA copies through the host.
+/// Lets the current device, `here`, read the memory of device `there` directly if possible.
+/// Otherwise CUDA copies through the host.
 void allow_access(int here, int there) {
   static std::mutex mutex;
   static std::set<std::pair<int, int>> asked;
@@ -172,7 +172,7 @@ Result<bool> CudaFilm::take(FilmPart& out, cudaStream_t stream) {
 Result<bool> CudaFilm::take_here(FilmPart& out, cudaStream_t stream) {
   if (!describe(out)) return false;
   const std::size_t count = std::size_t{out.width} * out.rows;
-  // The previous part may still be merged, but the one before it is not.
+  // Two parts alternate: while the previous part is still being merged, the one before it is free.
   auto part = handed_[0] && handed_[0].use_count() == 1 ? handed_[0] : handed_[1];
   if (!part || part.use_count() > 2) part = std::make_shared<PackedPart>();
   std::atomic_thread_fence(std::memory_order_acquire);

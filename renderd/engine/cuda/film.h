@@ -22,16 +22,16 @@ struct PackedPart final : PixelsOnDevice {
   int device = 0;
   DeviceBuffer<PackedPixel> pixels;
   DeviceBuffer<PackedGuides> guides;
-  bool guided = false;  ///< `guides` belong to the part
+  bool guided = false;  ///< whether `guides` belong to the part
 };
 
-/// The accumulated picture of one canvas on the device: 40 bytes per pixel, and 3 more after it was
-/// displayed raw. Trace kernels add to it directly. After a stopped batch, the upper rows have more
-/// samples than the lower ones; all pictures and the error take this into account.
+/// The accumulated picture of one canvas on the device: 40 bytes per pixel, 6 more with guides, and
+/// 3 more after it was displayed raw. Trace kernels add to it directly. After a stopped batch, the
+/// upper rows have more samples than the lower rows. All pictures and the error allow for this.
 class CudaFilm {
  public:
   static Result<CudaFilm> make(Canvas canvas);
-  /// Whether reshape() can change it to `canvas`.
+  /// Returns whether reshape() can change the film to `canvas`.
   bool holds(Canvas canvas) const;
   /// Changes the canvas. No work may still use the film, and clear() must follow. Does not
   /// allocate or free memory, which would delay every session of the device.
@@ -43,16 +43,16 @@ class CudaFilm {
   std::uint64_t pixels() const { return std::uint64_t{canvas_.width} * canvas_.height; }
   /// Returns the number of samples per pixel in the rows with the fewest.
   std::uint64_t samples() const;
-  /// Returns the same number for the rows of the share, since the share began.
+  /// Returns the same number for the rows of the share, counted since the share began.
   std::uint64_t drawn() const { return rows_.least(); }
   bool empty() const { return rows_.least() == 0 && rows_.flat(); }
   std::uint32_t first_row() const { return first_row_; }
   std::uint64_t device_bytes() const;
 
-  /// Sets whether guides are kept from the next clear(). They take 6 bytes per pixel. The memory is
-  /// kept, and holds the displayed picture while no guides are kept.
+  /// Sets whether guides are kept from the next clear() on. Their memory, 6 bytes per pixel, is not
+  /// freed, and holds the displayed picture while no guides are kept.
   Result<void> keep_guides(bool enabled);
-  /// Also resets the share to the whole picture.
+  /// Removes all samples and resets the share to the whole picture.
   Result<void> clear(cudaStream_t stream);
   /// These implement FilmExchange::set_share(), take_film() and merge_film(). The last two wait for
   /// the stream.
@@ -67,10 +67,10 @@ class CudaFilm {
             dropped_.data(),
             guided_ ? guides_.data() : nullptr};
   }
-  /// Null if no guides are kept.
+  /// Returns the guides of all pixels, or null if no guides are kept.
   const PackedGuides* guides() const { return guided_ ? guides_.data() : nullptr; }
-  /// next() returns what to trace next, in rows counted from first_row(). done() records that a
-  /// launch with the first `rows` rows of it is queued.
+  /// next() returns the rows and samples to trace next, in rows counted from first_row(). done()
+  /// records that a launch with the first `rows` rows of `piece` is queued.
   RowCounts::Piece next(std::uint64_t target, std::uint32_t most) const {
     return rows_.next(target, most);
   }
@@ -103,7 +103,7 @@ class CudaFilm {
  private:
   /// Returns the film as kernels see it, and uploads the counts of the rows if they differ.
   Result<FilmPicture> picture(cudaStream_t stream) const;
-  /// The value is kept until the film changes.
+  /// Measures the film, and keeps the result until the film changes.
   Result<Metering> metering(const FilmPicture& film, cudaStream_t stream) const;
   Result<DenoiseWork> denoise_work(float voxel, float fade, cudaStream_t stream) const;
   std::uint32_t tile_count() const;
@@ -112,7 +112,7 @@ class CudaFilm {
   /// Fills in the part except for its pixels, for take() and take_here(). Returns false if there is
   /// nothing to take.
   bool describe(FilmPart& out) const;
-  /// Whether the part from describe() brings guides (FilmPart::guides).
+  /// Returns whether the part from describe() brings guides (FilmPart::guides).
   bool brings_guides(const FilmPart& part) const {
     return guided_ && taken_ < kGuidedSamples && part.rows < canvas_.height;
   }
@@ -120,13 +120,13 @@ class CudaFilm {
                             cudaStream_t stream);
   Result<void> pack(const FilmPart& part, PackedPixel* to, cudaStream_t stream);
   void count_as_merged(std::uint32_t first_row, std::uint32_t last_row, std::uint64_t samples);
-  /// Whether all rows of the share have the same, even number of samples.
+  /// Returns whether all rows of the share have the same, even number of samples.
   bool settled() const { return rows_.flat() && (rows_.least() - taken_) % 2 == 0; }
 
   Canvas canvas_;
   std::uint32_t first_row_ = 0;        ///< first row of the share
   RowCounts rows_;                     ///< samples of the share's rows since the share began
-  std::uint64_t taken_ = 0;            ///< samples of these that were taken
+  std::uint64_t taken_ = 0;            ///< number of these samples that were taken
   std::vector<std::uint64_t> merged_;  ///< samples of other devices per kShareRows rows, or empty
   DeviceBuffer<double> sum_;
   DeviceBuffer<float> difference_;

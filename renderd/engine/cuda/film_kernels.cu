@@ -14,7 +14,7 @@ __device__ std::uint64_t thread_index() {
 }
 
 __device__ void add(std::uint64_t* to, std::uint32_t count) {
-  // std::uint64_t is another type of the same size.
+  // atomicAdd() is not defined for std::uint64_t, which is another type of the same size.
   atomicAdd(reinterpret_cast<unsigned long long*>(to), static_cast<unsigned long long>(count));
 }
 
@@ -41,7 +41,7 @@ __global__ void histogram_kernel(FilmPicture p, std::uint64_t* counts) {
   }
 }
 
-/// One block sums one tile, with one thread per pixel. The sum is a tree, so that its order and its
+/// Sums one tile per block, with one thread per pixel. The sum is a tree, so that its order and its
 /// bits are always the same.
 __global__ void tile_kernel(FilmPicture p, float inverse_white, ToneCurve curve, TileError* tiles) {
   static_assert(kTileSize * kTileSize == kBlock);
@@ -112,7 +112,7 @@ std::uint64_t pixels_of(const FilmPicture& p) { return std::uint64_t{p.width} * 
 
 cudaError_t white_histogram(const FilmPicture& picture, std::uint64_t* counts,
                             cudaStream_t stream) {
-  // Each thread takes several pixels, so that building the blocks' histograms is worthwhile.
+  // Each thread takes several pixels, because a block adds its whole histogram to the result.
   const std::uint32_t blocks = min(blocks_for((pixels_of(picture) + 7) / 8), 1024u);
   histogram_kernel<<<blocks, kBlock, 0, stream>>>(picture, counts);
   return cudaGetLastError();

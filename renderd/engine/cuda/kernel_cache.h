@@ -7,16 +7,16 @@
 
 namespace diaphane::render::cuda {
 
-/// Compiled kernels in a directory of this user, so that the next process need not compile them.
-/// Any number of processes may use the directory concurrently, because files are replaced
-/// atomically. A file that cannot be read or written only means that the kernel is compiled again.
+/// Stores compiled kernels in a directory of this user, so that the next process need not compile
+/// them. Any number of processes may use the directory concurrently, because files are replaced
+/// atomically. If a file cannot be read or written, the kernel is compiled again.
 class KernelCache {
  public:
   /// An empty directory disables the cache.
   explicit KernelCache(std::string directory) : directory_(std::move(directory)) {}
 
-  /// `key` is a text with everything that the code depends on. Returns nothing if the file does not
-  /// exist, is damaged or belongs to another key.
+  /// Returns the kernel for `key`, a text with everything that the code depends on. Returns nothing
+  /// if the file does not exist, is damaged or belongs to another key.
   std::optional<CompiledKernel> find(const std::string& key) const;
   /// Stores a kernel and replaces an existing one. Removes the least recently used files beyond
   /// kMostFiles.

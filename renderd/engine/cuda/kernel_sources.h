@@ -11,7 +11,7 @@ struct KernelSourceFile {
   const char* text;
 };
 
-/// Returns all headers that a kernel can include. cmake/EmbedSources.cmake writes this function.
+/// Returns all headers that a kernel can include. cmake/EmbedSources.cmake generates the code.
 std::span<const KernelSourceFile> kernel_sources();
 
 }  // namespace diaphane::render::cuda

@@ -9,13 +9,13 @@
 #include "renderd/film/film.h"
 #include "renderd/film/part.h"
 
-// Kernels for everything except tracing (variants.h). Each function queues one kernel on a stream
+// Kernels that read the film and exchange its samples. Each function queues one kernel on a stream
 // and returns the status of the launch.
 
 namespace diaphane::render::cuda {
 
 /// Samples per row of a film: the same number for all rows, or one number per stripe of kStripeRows
-/// rows after a stopped batch.
+/// rows after a stopped batch or in a shared picture.
 struct RowSamples {
   std::uint64_t everywhere;
   const std::uint64_t* by_stripe;  ///< on the device; null if all rows have the same number
@@ -36,14 +36,14 @@ struct FilmPicture {
 /// which the caller has cleared.
 cudaError_t white_histogram(const FilmPicture& picture, std::uint64_t* counts, cudaStream_t stream);
 
-/// Writes one entry per tile of kTileSize, rows from the top.
+/// Computes the error of each tile of kTileSize, rows from the top.
 cudaError_t tile_errors(const FilmPicture& picture, float inverse_white, ToneCurve curve,
                         TileError* tiles, cudaStream_t stream);
 
-/// Writes 3 numbers per pixel.
+/// Writes the picture for display, 3 numbers per pixel.
 cudaError_t display_film(const FilmPicture& picture, float scale, ToneCurve curve,
                          std::uint8_t* rgb, cudaStream_t stream);
-/// Writes the means of the pixels [first, first + count).
+/// Writes the mean radiance of the pixels [first, first + count), 3 numbers per pixel.
 cudaError_t mean_of_film(const FilmPicture& picture, std::uint64_t first, std::uint64_t count,
                          float* rgb, cudaStream_t stream);
 

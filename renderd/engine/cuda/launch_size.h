@@ -7,8 +7,8 @@ namespace diaphane::render::cuda {
 
 /// Chooses the size of the next launch, so that it takes some milliseconds for any scene. That is
 /// long enough to fill the device, and short enough that stopping is quick and other sessions of
-/// the device do not wait. It uses only the times that it is given. The size of a launch never
-/// changes a picture, only how many rows are done at once.
+/// the device do not wait. The choice depends only on the times passed to learn(). The size of a
+/// launch never changes a picture, only how many rows are done at once.
 class LaunchSize {
  public:
   static constexpr double kTargetMs = 8;
@@ -17,13 +17,13 @@ class LaunchSize {
   std::uint64_t work() const { return work_; }
 
   /// Starts a new scene with a picture of `pixels` pixels and paths of at most `longest`
-  /// collisions. Its cost is unknown, except that a sample may cost `most_cost` times as much as a
-  /// single collision, so the first launch is small.
+  /// collisions. Its cost is unknown, except that a sample may cost up to `most_cost` times as much
+  /// as a single collision, so the first launch is small.
   void forget(double most_cost = 1, std::uint64_t pixels = 1, std::uint32_t longest = 1) {
     work_ =
         std::max<std::uint64_t>(static_cast<std::uint64_t>(kFirst / std::max(most_cost, 1.0)), 1);
-    // Background rows say nothing about dense rows below them, so growth is limited until the whole
-    // picture was rendered once. The limit is low if paths may be very long.
+    // The cost of background rows does not predict that of dense rows below them, so growth is
+    // limited until the whole picture was rendered once. The longer the paths, the lower the limit.
     const double many = longest / kManyCollisions;
     unseen_most_ = longest > 1 ? 4 * kFirst / std::max(many * many, 1.0) : kLargest;
     pixels_ = unseen_ = std::max<std::uint64_t>(pixels, 1);
@@ -51,8 +51,8 @@ class LaunchSize {
     fits_seen_ = unseen_most_ = kLargest;
   }
 
-  /// Returns the number of rows of `width` pixels with `samples` samples each. It is a multiple of
-  /// `step` and at least one step.
+  /// Returns the number of rows of `width` pixels with `samples` samples per pixel that fit into
+  /// the next launch, a multiple of `step` and at least one step.
   std::uint32_t rows(std::uint32_t width, std::uint32_t samples, std::uint32_t step) const {
     const std::uint64_t a_step = std::uint64_t{width} * samples * step;
     const std::uint64_t steps = std::clamp<std::uint64_t>(work_ / a_step, 1, 65536 / step);
@@ -64,9 +64,9 @@ class LaunchSize {
   static constexpr double kManyCollisions = 128;
   static constexpr double kLargest = 1e12;
   std::uint64_t work_ = static_cast<std::uint64_t>(kFirst);
-  std::uint64_t pixels_ = 1, unseen_ = 1;  // total; not yet rendered in this pass
+  std::uint64_t pixels_ = 1, unseen_ = 1;  // of the picture; not yet rendered in this pass
   double unseen_most_ = kLargest;          // maximum work of a launch in the first pass
-  // Work that fits, according to the last pass and to this one.
+  // Work that meets the target, according to the last pass and to this pass so far.
   double fits_all_ = kLargest, fits_seen_ = kLargest;
 };
 

@@ -6,17 +6,17 @@
 namespace diaphane::render::cuda {
 namespace {
 
-/// Large enough for a picture of 1280 x 720 in one piece. Larger pictures are copied in several.
+/// Large enough for a picture of 1280 x 720. Larger pictures are copied in several pieces.
 constexpr std::size_t kStagingBytes = std::size_t{3} << 20;
 
-/// Page-locked memory of one thread, because each thread waits for its own copies. It is kept,
-/// because allocating it is expensive.
+/// Page-locked memory. Each thread has its own, because it waits for its own copies, and keeps it,
+/// because allocation is expensive.
 class Staging {
  public:
   Staging() {
     if (cudaHostAlloc(&bytes_, kStagingBytes, cudaHostAllocPortable) == cudaSuccess) return;
     bytes_ = nullptr;
-    (void)cudaGetLastError();  // not an error: the driver can copy without it
+    (void)cudaGetLastError();  // not an error: copies work without it, but slowly
   }
   ~Staging() { cudaFreeHost(bytes_); }
   Staging(const Staging&) = delete;

@@ -13,7 +13,7 @@
 
 namespace diaphane::render::cuda {
 
-/// Memory on the device, freed with its owner and not initialised.
+/// An array in device memory, which is not initialised and which the destructor frees.
 template <typename T>
 class DeviceBuffer {
  public:
@@ -29,7 +29,7 @@ class DeviceBuffer {
   DeviceBuffer& operator=(const DeviceBuffer&) = delete;
   ~DeviceBuffer() { cudaFree(data_); }
 
-  /// Allocates at least one element, so that a view of an empty array has an address.
+  /// Allocates `count` elements, or one if `count` is 0, so that an empty array has an address.
   static Result<DeviceBuffer> of(std::size_t count) {
     DeviceBuffer buffer;
     buffer.capacity_ = count == 0 ? 1 : count;
@@ -47,9 +47,9 @@ class DeviceBuffer {
   std::size_t capacity_ = 0;
 };
 
-/// Returns a larger buffer if `buffer` cannot hold `count` elements, otherwise nothing. It allows a
-/// caller to allocate everything before it changes anything, so that running out of memory has no
-/// effect. Apply the result with adopt().
+/// Returns a larger buffer if `buffer` cannot hold `count` elements, otherwise an empty one. This
+/// lets a caller allocate everything before it changes anything, so that running out of memory has
+/// no effect. adopt() applies the result.
 template <typename T>
 Result<DeviceBuffer<T>> grown(const DeviceBuffer<T>& buffer, std::size_t count) {
   if (buffer.data() != nullptr && count <= buffer.capacity()) return DeviceBuffer<T>{};
@@ -60,8 +60,8 @@ void adopt(DeviceBuffer<T>& buffer, DeviceBuffer<T>&& larger) {
   if (larger.data() != nullptr) buffer = std::move(larger);
 }
 
-/// Makes room for `count` elements. A buffer that grows loses its contents. kOutOfMemory leaves it
-/// unchanged.
+/// Makes room for `count` elements. A buffer that grows loses its contents, but remains unchanged
+/// if the result is kOutOfMemory.
 template <typename T>
 Result<void> ensure(DeviceBuffer<T>& buffer, std::size_t count) {
   auto larger = grown(buffer, count);
@@ -70,7 +70,7 @@ Result<void> ensure(DeviceBuffer<T>& buffer, std::size_t count) {
   return {};
 }
 
-/// The only T of a device. It exists while a session holds it.
+/// Provides the single T of a device, which exists while at least one session holds it.
 template <typename T>
 class DeviceShare {
  public:
@@ -86,7 +86,7 @@ class DeviceShare {
   std::weak_ptr<T> shared_;
 };
 
-/// Copies in the order of the stream. `from` may be freed after the function returns.
+/// Copies to the device in the order of the stream. `from` may be freed when this returns.
 template <typename T>
 Result<void> upload(const DeviceBuffer<T>& to, const T* from, std::size_t count,
                     cudaStream_t stream) {
@@ -96,7 +96,7 @@ Result<void> upload(const DeviceBuffer<T>& to, const T* from, std::size_t count,
   return {};
 }
 
-/// Waits for the stream, so `to` holds the data when this returns.
+/// Copies from the device and waits for the stream, so `to` holds the data when this returns.
 template <typename T>
 Result<void> download(T* to, const DeviceBuffer<T>& from, std::size_t count, cudaStream_t stream) {
   DIAPHANE_CUDA_TRY(

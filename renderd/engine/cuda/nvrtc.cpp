@@ -19,12 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLibraries[] = {"libnvrtc.so.13", "libnvrtc.so.12"};
-/// Limit for the compiler's messages, enough to show what is wrong.
+/// Maximum number of bytes of the compiler's output in an error, enough to show the first errors.
 constexpr std::size_t kLongestMessage = 600;
 
 std::vector<std::string> options_for(int architecture) {
   // These options match those of nvcc for kernels ahead of time: the same optimisation, contraction
-  // and line tables. The last one is for lambdas, which have no __device__ mark.
+  // and line tables. The last option is for lambdas, which are not marked __device__.
   std::vector<std::string> options{"--gpu-architecture=sm_" + std::to_string(architecture),
                                    "--std=c++20", "--generate-line-info",
                                    "--device-as-default-execution-space"};
@@ -48,7 +48,7 @@ void load_builtins(const fs::path& folder) {
   }
 }
 
-/// An empty `folder` means the loader's search path.
+/// Opens the library in `folder`, or on the loader's search path if `folder` is empty.
 void* open_in(const std::string& folder) {
   if (!folder.empty()) load_builtins(folder);
   for (const char* name : kLibraries) {
@@ -71,7 +71,7 @@ void* open_library() {
 
 }  // namespace
 
-/// The functions of the library. It is never unloaded, because its state would not survive that.
+/// The functions of the library, which is never unloaded, because it keeps state.
 struct Nvrtc::Functions {
   decltype(&nvrtcVersion) version;
   decltype(&nvrtcGetErrorString) error_string;

@@ -9,7 +9,7 @@
 namespace diaphane::render::cuda {
 namespace {
 
-/// Puts a larger buffer into `larger` if `buffer` cannot hold `count` elements (grown() in
+/// Allocates a larger buffer in `larger` if `buffer` cannot hold `count` elements (grown() in
 /// memory.h).
 template <typename T>
 Result<void> grow(DeviceBuffer<T>& larger, const DeviceBuffer<T>& buffer, std::size_t count) {
@@ -73,7 +73,7 @@ Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& pre
 Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
   const PreparedTransfer& transfer = *prepared.transfer;
   const cudaStream_t stream = stream_.get();
-  // If the transfer function is unchanged, for example after a camera move, no table is uploaded.
+  // If the transfer function is unchanged, as after a camera move, its tables are not uploaded.
   const bool other = prepared.transfer != prepared_.transfer;
   const auto wants = [&](Feature f) {
     return prepared.features.has(f) && (other || !prepared_.features.has(f));
@@ -157,7 +157,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
                                 film_ ? &prepared_ : nullptr, film_ ? &scene_ : nullptr);
   DIAPHANE_TRY(prepared);
-  // Everything that can fail comes first, so that on an error the old picture remains.
+  // Required allocations come first, so that the old picture remains if one of them fails.
   auto larger = grown_tables(*prepared);
   DIAPHANE_TRY(larger);
   std::optional<CudaFilm> film;
@@ -173,7 +173,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   film_->reshape(canvas);
   film_->set_curve(prepared->curve);
   DIAPHANE_TRY(upload_tables(*prepared));
-  // If there is no memory for guides, pictures are raw.
+  // If there is no memory for guides, pictures are not denoised.
   if (!film_->keep_guides(guided_)) DIAPHANE_TRY(film_->keep_guides(false));
   denoiser_ = film_->guides() == nullptr ? nullptr : shares_.denoisers->take();
   DIAPHANE_TRY(film_->clear(stream_.get()));
@@ -183,8 +183,8 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
       Feature::kSteepExtinction, prepared_.matter && tables_.acceleration.steep(prepared_.spacing));
   DIAPHANE_TRY(prepare_exact());
   DIAPHANE_TRY(choose_variants());
-  // A path may continue to its last possible collision. In the time of one walk, about eight
-  // collisions are found.
+  // A path may continue to its last possible collision. Tracking finds about eight collisions in
+  // the time of one exact walk.
   const std::uint32_t paths = exact_ ? exact_->paths() : 1;
   launch_size_.forget(1 + paths * (prepared_.bounces - 1) / 8.0,
                       std::uint64_t{canvas.width} * canvas.height, prepared_.bounces);
@@ -348,8 +348,8 @@ Progress CudaRenderer::progress() const {
   use_device();
   progress.samples = film_->samples();
   progress.seconds = seconds_;
-  // The error is computed again after every eighth more samples. A computation takes a tenth of the
-  // time of a short quantum.
+  // The error is computed again when the number of samples has grown by an eighth, because a
+  // computation takes a tenth of the time of a short quantum.
   if (error_samples_ == 0 || progress.samples >= error_samples_ + (error_samples_ + 7) / 8) {
     // If the device is lost here, the next call that can fail reports it.
     const auto measured = film_->measure(prepared_.automatic_exposure, stream_.get());

@@ -17,7 +17,7 @@
 
 namespace diaphane::render::cuda {
 
-/// Resources that all sessions of a device share.
+/// The resources that all sessions of a device share.
 struct DeviceShares {
   std::shared_ptr<VariantStore> variants;
   std::shared_ptr<DeviceShare<CudaDenoiser>> denoisers;
@@ -54,23 +54,23 @@ class CudaRenderer : public FrameRenderer {
   /// Number of samples of one pixel that are summed in fp32 before the sum is added to the fp64
   /// total.
   static constexpr std::uint32_t kMostSamples = 32;
-  /// Number of launches in flight, so that the device never waits for the host between two.
+  /// Number of launches in flight, so that the device never waits for the host between launches.
   static constexpr std::size_t kAhead = 2;
 
   /// The scene's arrays on the device.
   struct Tables {
     DeviceBuffer<Float4> colour;
-    DeviceBuffer<Float4> gloss, emission;  ///< empty until a scene needs them
+    DeviceBuffer<Float4> gloss, emission;  ///< empty unless the scene needs them
     Acceleration acceleration;  ///< empty in grown_tables() if the current one is large enough
     DeviceBuffer<AreaLight> lights;
-    // Textures of lights; each buffer has one element while the scene has none.
+    // Environment maps, and the textures of lights, whose buffers are empty without textures.
     DeviceBuffer<EnvironmentMap> maps;
     DeviceBuffer<LightTexture> textures;
     DeviceBuffer<Float4> texels;
     DeviceBuffer<float> texture_rows;
   };
-  /// The launches of one call. They are measured, and the call waits for the oldest if too many are
-  /// in flight.
+  /// The launches of one call of render(). The call measures them, and waits for the oldest launch
+  /// if too many are in flight.
   struct Flight {
     std::size_t launched = 0, completed = 0;
     std::array<std::uint64_t, kAhead + 1> work{};
@@ -86,7 +86,7 @@ class CudaRenderer : public FrameRenderer {
         method_(method) {}
 
   Result<Tables> grown_tables(const PreparedScene& prepared) const;
-  /// Takes over the tables that grew. Those that only some scenes use exist while they do.
+  /// Adopts the tables that grew, and frees optional tables that the scene does not use.
   void adopt_tables(Tables larger, const PreparedScene& prepared);
   Result<void> upload_tables(const PreparedScene& prepared);
   SceneView<TextureVolume> view() const;
@@ -95,13 +95,13 @@ class CudaRenderer : public FrameRenderer {
   /// Prepares tables and memory of the exact walk if the scene uses it.
   Result<void> prepare_exact();
   Result<void> make_exact();
-  /// Traces until every pixel has `target` samples. Returns false if stopped before.
+  /// Traces until every pixel of the share has `target` samples. Returns false if stopped earlier.
   Result<bool> trace_until(std::uint64_t target, const std::function<bool()>& stop, Flight& flight);
   Result<void> note_launch(Flight& flight, std::uint64_t work, std::uint32_t samples);
   /// Chooses the kernels for this scene: one for the first samples with guides, and one for the
   /// rest.
   Result<void> choose_variants();
-  /// The kernel that does most of the work.
+  /// Returns the kernel that does most of the work.
   const Variant& main_variant() const { return exact_ ? exact_->variant() : *variant_; }
   /// Makes the volume's device current for the calling thread.
   void use_device() const { cudaSetDevice(volume_->device()); }
@@ -120,7 +120,7 @@ class CudaRenderer : public FrameRenderer {
   Method method_;
   Share share_;
   Stream stream_;
-  Stream other_stream_;  ///< stream of the other priority
+  Stream other_stream_;  ///< stream of the priority that is not in use
   bool urgent_ = false;
   std::array<Event, kAhead + 1> events_;
 
@@ -130,15 +130,15 @@ class CudaRenderer : public FrameRenderer {
   std::optional<CudaFilm> film_;                      ///< empty before the first scene
   std::optional<ExactPath> exact_;                    ///< empty if the scene is tracked
   std::shared_ptr<const PreparedTransfer> exact_of_;  ///< source of the tables of the exact walk
-  /// Kept while the picture has samples, because different kernels give different bits of the same
-  /// estimate.
+  /// The tracking kernel. It stays the same while the picture has samples, because different
+  /// kernels give different bits of the same estimate.
   std::shared_ptr<const Variant> variant_;
   std::shared_ptr<const Variant> guided_variant_;  ///< for the first kGuidedSamples, with guides
   LaunchSize launch_size_;
   double launch_milliseconds_ = 0;  ///< duration of the last measured launch
   double seconds_ = 0;
   std::uint64_t dropped_ = 0;
-  /// The error costs two small kernels, so it is measured only on request and kept for a while.
+  /// Number of samples at the last measurement of the error, which takes two small kernels.
   mutable std::uint64_t error_samples_ = 0;
   mutable double error_ = 0;
   mutable double stops_ = 0;  ///< Progress::stops

@@ -6,9 +6,9 @@
 
 namespace diaphane::render::cuda {
 
-/// The number of samples of each row of a film. Launches go from top to bottom and may be stopped
-/// between two, so upper rows can have more samples. The numbers never increase from top to bottom,
-/// and are equal after a whole batch.
+/// The number of samples of each row of a film. Launches go from top to bottom and may stop before
+/// the last row, so upper rows can have more samples. The numbers never increase from top to
+/// bottom, and are equal after a whole batch.
 class RowCounts {
  public:
   /// Rows [first, last) and the samples that they need next.

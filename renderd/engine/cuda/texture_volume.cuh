@@ -3,7 +3,7 @@
 #include "renderd/engine/cuda/trace_types.h"
 #include "renderd/kernel/exact_walk.h"
 
-// Access of kernels to the texture of voxels.
+// The functions with which kernels read the texture of voxels.
 
 namespace diaphane::render::cuda {
 
@@ -41,7 +41,7 @@ __device__ __forceinline__ ValueSpan TextureVolume::corner_range(Int3 cell) cons
   return range;
 }
 
-/// Returns the data of a node for a cell that has none.
+/// Returns the corner values of a cell without a node, packed as in a CellNode.
 __device__ __forceinline__ int4 packed_from_texture(cudaTextureObject_t texture, Int3 cell) {
   unsigned pairs[4];
   for (int row = 0; row < 4; ++row) {
@@ -64,8 +64,8 @@ __device__ __forceinline__ int4 TextureVolume::packed(Int3 cell, Brick brick) co
 
 __device__ __forceinline__ Corners TextureVolume::corners(Int3 cell, Brick brick) const {
   const int4 four = packed(cell, brick);
-  // The lowest bits of 2^23 + n are n, so a byte permutation and a subtraction convert a 16-bit
-  // number to a float. A conversion instruction has only an eighth of their rate.
+  // The lowest bits of the float 2^23 + n are n, so a byte permutation and a subtraction convert a
+  // 16-bit number to a float. A conversion instruction runs at only an eighth of their rate.
   const auto number = [](int two, unsigned bytes) {
     return __uint_as_float(__byte_perm(static_cast<unsigned>(two), 0x4b000000u, bytes)) -
            (8388608.0f + 32768.0f);

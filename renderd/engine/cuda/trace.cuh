@@ -8,8 +8,8 @@
 
 namespace diaphane::render::cuda {
 
-/// Number of blocks that fit on a multiprocessor. It limits the registers to 64, which is 5% faster
-/// on an H200.
+/// Number of blocks that must fit on a multiprocessor. This limits the registers of a thread to 64,
+/// which is 5% faster on an H200.
 inline constexpr std::uint32_t kTraceBlocks = 8;
 
 /// Returns every second bit of `morton`, beginning with the lowest. Neighbours in Morton order are
@@ -20,7 +20,7 @@ __device__ __forceinline__ std::uint32_t compact_bits(std::uint32_t morton) {
   return (morton | morton >> 2) & 0x0fu;
 }
 
-/// Sums over the threads that share a pixel, in an order that does not depend on timing.
+/// Sums `batch` over the threads that share a pixel, in an order that does not depend on timing.
 __device__ __forceinline__ void join_lanes(PixelBatch& batch, std::uint32_t lanes) {
   for (std::uint32_t offset = 1; offset < lanes; offset <<= 1) {
     const auto other = [offset](auto value) { return __shfl_xor_sync(~0u, value, offset); };
@@ -43,7 +43,7 @@ __device__ __forceinline__ void join_lanes(Guides& guides, std::uint32_t lanes) 
   }
 }
 
-/// Adds the guides of a launch's samples to those of the film. One thread per pixel calls it.
+/// Adds the guides of a launch's samples to those of the film. Call it from one thread per pixel.
 __device__ __forceinline__ void add_guides(const TraceTarget& target, std::uint64_t pixel,
                                            const Stripe& stripe, const Guides& sum) {
   if (target.guides == nullptr || stripe.film_sample >= kGuidedSamples) return;
@@ -52,20 +52,20 @@ __device__ __forceinline__ void add_guides(const TraceTarget& target, std::uint6
   target.guides[pixel] = with_samples(target.guides[pixel], before, sum, min(left, stripe.samples));
 }
 
-/// Adds a pixel's batch to the film. One thread per pixel calls it.
+/// Adds a pixel's batch to the film. Call it from one thread per pixel.
 __device__ __forceinline__ void add_batch(const TraceTarget& target, std::uint64_t pixel,
                                           const PixelBatch& batch) {
   fold(target.film, pixel, batch);
   if (const std::uint32_t count = batch.dropped_even + batch.dropped_odd; count != 0) {
-    // std::uint64_t is another type of the same size.
+    // atomicAdd() is not defined for std::uint64_t, which is another type of the same size.
     atomicAdd(reinterpret_cast<unsigned long long*>(target.dropped),
               static_cast<unsigned long long>(count));
   }
 }
 
-/// `Bits` are those of Features, because nvcc cannot name a kernel whose argument has a class type.
-/// The threads of a pixel sum its samples of a launch in fp32 and add them to the film at the end,
-/// without a buffer in between.
+/// Traces the samples of a stripe. `Bits` is Features::bits, because nvcc cannot name a kernel
+/// whose template argument has a class type. The threads of a pixel sum the samples of a launch in
+/// fp32 and add the sum to the film at the end, without a buffer in between.
 template <std::uint32_t Bits>
 __global__ void __launch_bounds__(kTraceBlock, kTraceBlocks)
     trace_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
@@ -89,7 +89,7 @@ __global__ void __launch_bounds__(kTraceBlock, kTraceBlocks)
       batch.add(sample.radiance, sample.hit_medium, stripe.film_sample + s, sample.shows_slice);
     }
   }
-  // Whole warps take part, including threads outside the picture.
+  // Whole warps participate, including threads outside the picture.
   join_lanes(batch, lanes);
   if constexpr (kGuided) join_lanes(guides, lanes);
   if (inside && lane == 0) {

@@ -8,7 +8,7 @@
 #include "renderd/film/guides.h"
 #include "renderd/kernel/views.h"
 
-// Types that host and trace kernels share. They are compiled by the C++ compiler, nvcc and NVRTC.
+// Types that the host and the trace kernels share. The C++ compiler, nvcc and NVRTC compile them.
 
 namespace diaphane::render::cuda {
 
@@ -18,19 +18,19 @@ struct alignas(16) CellNode {
   std::uint16_t corners[8];
 };
 
-/// Voxels in a 3D texture. They are fetched without filtering and interpolated in fp32, because the
-/// weights of the texture unit's own filter have only 8 bits. The results equal those of
-/// LinearVolume. In a texture, neighbours along all axes are near each other in memory.
+/// The voxels in a 3D texture, where neighbours along all axes are near each other in memory. They
+/// are fetched without filtering and interpolated in fp32, because the weights of the texture
+/// unit's own filter have only 8 bits. The results equal those of LinearVolume.
 struct TextureVolume {
   cudaTextureObject_t texture;  ///< int16, point sampling, element coordinates, clamped
   Int3 size;
   const CellNode* nodes;         ///< 64 per slot; cells of a brick, x fastest
   const std::int32_t* first_of;  ///< Brick::first, like ExactView::skips; points at brick (0, 0, 0)
 
-  /// For the exact walk: the index that cell (0, 0, 0) would have if the slot of the brick extended
-  /// to it.
+  /// A brick of the exact walk. `first` is the index in `nodes` that cell (0, 0, 0) would have if
+  /// the slot of the brick extended to that cell.
   struct Brick {
-    std::int32_t first;  ///< kNoNodes if the brick has none
+    std::int32_t first;  ///< kNoNodes if the brick has no slot
   };
   static constexpr std::int32_t kNoNodes = -0x7fffffff - 1;
 
@@ -55,13 +55,13 @@ struct Stripe {
   std::uint32_t lane_shift;   ///< 2^lane_shift threads share a pixel's samples
 };
 inline constexpr std::uint32_t kStripeRows = 8;
-inline constexpr std::uint32_t kMostLaneShift = 5;  ///< a warp
+inline constexpr std::uint32_t kMostLaneShift = 5;  ///< all threads of a warp
 inline constexpr std::uint32_t kTraceBlock = 128;   ///< threads per block
 
 /// The memory to which a trace kernel adds its results.
 struct TraceTarget {
   FilmView film;
-  std::uint64_t* dropped;          ///< samples that were not finite
+  std::uint64_t* dropped;          ///< number of samples that were not finite
   PackedGuides* guides = nullptr;  ///< means, written by kernels with Feature::kGuides; may be null
 };
 

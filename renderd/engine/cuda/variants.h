@@ -25,17 +25,17 @@ struct Variant {
   Features features;
   KernelOrigin origin = KernelOrigin::kGeneral;
   double milliseconds = 0;  ///< time to compile or load it
-  bool from_cache = false;  ///< read from disk
+  bool from_cache = false;  ///< read from disk instead of compiled
   int registers = 0;        ///< per thread
   std::uint64_t local_bytes = 0;
 };
 
-/// The kernels of one kind of device: those compiled ahead of time, and those compiled for
-/// individual scenes, which are kept until the engine ends. Thread-safe. If there is no compiler,
-/// nothing fails: a kernel compiled ahead of time is used, and note() gives the reason.
+/// The kernels for one device architecture: those compiled ahead of time, and those compiled for
+/// individual scenes, which are kept until the last engine ends. Thread-safe. If there is no
+/// compiler, kernels compiled ahead of time are used, and note() gives the reason.
 class VariantStore {
  public:
-  /// `architecture` is that of Nvrtc::compile, and `device` is any device of this architecture.
+  /// `architecture` is ten times the compute capability. `device` is any device of that capability.
   VariantStore(KernelChoice choice, const std::string& cache_directory, int architecture,
                int device = 0);
   /// Waits for a compilation in progress.
@@ -44,12 +44,12 @@ class VariantStore {
   VariantStore& operator=(const VariantStore&) = delete;
 
   /// Returns the best available kernel for the features of a scene. With KernelChoice::kExact,
-  /// waits for the kernel that is compiled for exactly these. With kStandIn, starts this
+  /// waits until the kernel for exactly these features is compiled. With kStandIn, only starts this
   /// compilation; a later call returns its result.
   std::shared_ptr<const Variant> get(const KernelTemplate& kernel, Features needed);
 
   KernelChoice choice() const { return choice_; }
-  /// Returns why kernels compiled ahead of time are used against the choice; empty if they are not.
+  /// Returns why kernels compiled ahead of time replace those of choice(), or an empty string.
   std::string note() const;
 
  private:

@@ -81,7 +81,7 @@ Result<void> CudaVolume::upload_labels(const volume::LabelSet& set, cudaStream_t
   const std::vector<std::uint8_t>& voxels = set.labels.voxels;
   DIAPHANE_TRY(ensure(labels_, voxels.size()));
   DIAPHANE_TRY(cuda::upload(labels_, voxels.data(), voxels.size(), stream));
-  // Only the device needs them: the host bounds no cells.
+  // Only the device needs the label sets of the cells, because the host computes no bounds.
   const std::vector<std::uint32_t> sets = std::exchange(grid_.labels.set_of_cell, {});
   DIAPHANE_TRY(ensure(label_sets_, sets.size()));
   DIAPHANE_TRY(cuda::upload(label_sets_, sets.data(), sets.size(), stream));
@@ -125,7 +125,7 @@ Result<void> CudaVolume::make_exact(cudaStream_t stream) const {
   constexpr std::size_t kSlot = 64;
   const auto requested_slots = static_cast<std::size_t>(
       kMostOfVolume * 2 * static_cast<double>(header_.voxel_count()) / (kSlot * sizeof(CellNode)));
-  // Indices of nodes have 31 bits.
+  // The index of a node must fit into 31 bits.
   constexpr std::size_t kMostSlots = (std::size_t{1} << 31) / kSlot - 1;
   const std::size_t slots = std::min({requested_slots, bricks, kMostSlots});
   if (slots > 0 && ensure(exact_->nodes, kSlot * slots))

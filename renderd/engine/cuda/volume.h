@@ -13,11 +13,11 @@
 
 namespace diaphane::render::cuda {
 
-/// Voxels in a 3D texture of the device, and the data that the host needs to prepare scenes.
+/// The voxels in a 3D texture of the device, and the data that the host needs to prepare scenes.
 class CudaVolume : public DeviceVolume {
  public:
-  /// Loads onto the current device of the calling thread. Fails with kInvalid if size and voxels do
-  /// not match. kOutOfMemory leaves nothing allocated.
+  /// Loads a volume onto the current device of the calling thread. Fails with kInvalid if size and
+  /// voxels do not match, and with kOutOfMemory, which leaves nothing allocated.
   static Result<std::shared_ptr<const CudaVolume>> load(const volume::Volume& volume);
   ~CudaVolume() override;
   CudaVolume(const CudaVolume&) = delete;
@@ -29,11 +29,11 @@ class CudaVolume : public DeviceVolume {
            exact_->ranges.bytes() + exact_->levels.bytes() + exact_->first_of.bytes() +
            exact_->missing.bytes() + exact_->nodes.bytes();
   }
-  /// The grid without its ranges, which are on the device.
+  /// Returns the grid without the arrays that only the device needs.
   const ValueGrid& grid() const { return grid_; }
   const ValueRange* ranges() const { return ranges_.data(); }
   TextureVolume view() const;
-  /// LabelsView::voxels and LabelGrid::set_of_cell; null if there are no labels.
+  /// These return LabelsView::voxels and LabelGrid::set_of_cell, or null if there are no labels.
   const std::uint8_t* labels() const { return labels_.data(); }
   const std::uint32_t* label_sets() const { return label_sets_.data(); }
   /// Returns the CUDA index of the device that holds the volume.
@@ -41,8 +41,8 @@ class CudaVolume : public DeviceVolume {
 
   /// Prepares the exact walk: marks the bricks that a transfer function leaves empty in `skips` (8
   /// bytes per brick), and stores the cells of the other bricks in the pool of nodes while there is
-  /// room. Waits for the stream and for other sessions in this function. Returns the fraction of
-  /// empty bricks.
+  /// room. Waits for the stream, and for other sessions that call this function. Returns the
+  /// fraction of empty bricks.
   Result<double> prepare_exact(const std::int32_t* clear_until, std::uint8_t* skips,
                                cudaStream_t stream) const;
   std::size_t brick_count() const;
@@ -52,7 +52,7 @@ class CudaVolume : public DeviceVolume {
   }
 
  private:
-  /// Shared by all sessions and filled as they need bricks.
+  /// Data of the exact walk that all sessions share. Nodes are added when a session needs a brick.
   struct Exact {
     std::mutex mutex;
     DeviceBuffer<ValueRange> ranges;

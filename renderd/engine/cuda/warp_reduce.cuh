@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-// Reductions over a warp, with all lanes taking part. Since compute capability 8.0, each is one
-// instruction.
+// Reductions over a warp, in which all lanes must participate. From compute capability 8.0 on, each
+// is one instruction.
 
 namespace diaphane::render {
 
