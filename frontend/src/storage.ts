@@ -44,7 +44,7 @@ export function keeping(browsers: () => Browsers): Keeping {
   };
 }
 
-/** For this browser, shared by all tabs. */
+/** Storage of this browser, shared by all tabs. */
 export const local = keeping(() => localStorage);
-/** For this tab. Survives a reload. */
+/** Storage of this tab, which survives a reload. */
 export const tab = keeping(() => sessionStorage);

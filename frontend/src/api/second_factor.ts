@@ -12,7 +12,7 @@ export interface SecondFactor {
   readonly required: boolean;
 }
 
-/** Shown only once. */
+/** A new TOTP secret, which the server returns only once. */
 export interface NewSecret {
   /** Base32, for typing it into an app. */
   readonly secret: string;

@@ -77,7 +77,7 @@ export class TabCoordinator {
 
   /** Forgets the uploads of windows that were closed without a message. The caller runs it periodically. */
   async forgetClosedTabs(): Promise<void> {
-    const others = [...this.others.keys()]; // A lock that was acquired after the query is not missed.
+    const others = [...this.others.keys()]; // first, to keep uploads that start meanwhile
     if (others.length === 0) return;
     if (this.between.locks) {
       const { held = [] } = await this.between.locks.query();

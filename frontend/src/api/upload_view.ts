@@ -66,7 +66,7 @@ export function refused(view: UploadView, end: UploadEnd & { readonly kind: "ref
   return { ...inPhase(view, "refused"), refusal: known[end.status] ?? "other" };
 }
 
-/** Seconds, or null if it is too early for an estimate. */
+/** Returns the remaining seconds, or null if it is too early for an estimate. */
 export const timeLeft = (view: UploadView): number | null =>
   view.phase === "sending" ? secondsLeft(view.marks, view.total) : null;
 

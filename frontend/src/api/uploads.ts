@@ -10,7 +10,10 @@ import { begun, stalled, inPhase, isOpen, nextToSend, refused, withProgress, typ
 
 export type { UploadView } from "./upload_view";
 
-/** More uploads would only share the bandwidth, and browsers open at most six connections per host. */
+/**
+ * Maximum number of parallel uploads. More would only share the bandwidth, and browsers open at
+ * most six connections per host.
+ */
 const atOnce = 3;
 const reportedEveryMs = 1000;
 
@@ -182,7 +185,10 @@ export class Uploads {
     return [...this.uploadViews.value.values()].filter((view) => isOpen(view) && this.own.has(view.data_set_id));
   }
 
-  /** Called by the timer, which sleeps in a background window, and by arriving data, which wakes it. */
+  /**
+   * Reports progress to the other windows. Called by a timer, which browsers throttle in the
+   * background, and by arriving data, which wakes the window.
+   */
   private notifyTabs(): void {
     if (performance.now() - this.reportedMs < reportedEveryMs / 2) return;
     this.reportedMs = performance.now();

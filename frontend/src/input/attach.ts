@@ -45,7 +45,7 @@ export function attachGestures(
   element.addEventListener(
     "wheel",
     (event) => {
-      event.preventDefault(); // the page would scroll
+      event.preventDefault(); // keeps the page from scrolling
       act({ kind: "zoom", factor: wheelZoom(event.deltaY, event.deltaMode, event.ctrlKey) }, false);
     },
     { signal, passive: false },

@@ -11,7 +11,10 @@ export interface Place {
   readonly data_set_id: string | null;
   /** The scan whose pictures this person may load; a guest gets those of samples only. */
   readonly pictured_id: string | null;
-  /** Null if this person gets no saved marks; a guest of a live session sees those that its participants show. */
+  /**
+   * Lists the saved marks. Null if this person gets none; a guest of a live session sees those that
+   * its participants show.
+   */
   readonly savedMarks: (() => Promise<readonly AnnotationSet[]>) | null;
   ticketSource(known: string | null, session: (id: string) => void): TicketSource;
   /** Called when the user leaves the page. */

@@ -11,7 +11,7 @@ interface Kept {
   readonly camera?: unknown;
 }
 
-/** docs/contracts.md, "Recorded interaction". */
+/** A recording in the format of docs/contracts.md, "Recorded interaction". */
 export interface Recording {
   readonly format: "diaphane-interaction";
   readonly version: 1;

@@ -24,7 +24,7 @@ const pixelsPerMm = (eye: Eye, screen: Area, ahead: number): number =>
     ? screen.height / eye.orthographicHeight
     : screen.height / 2 / Math.tan((eye.verticalFovDegrees * Math.PI) / 360) / ahead;
 
-/** Returns null for a point behind the eye. */
+/** Projects a point to pixels of the screen. Returns null for a point behind the eye. */
 export function onScreen(eye: Eye, screen: Area, place: Vec3): Point | null {
   const frame = frameOf(eye);
   const fromEye = subtract(place, eye.eye);

@@ -48,7 +48,7 @@ export type ConnectionEvent =
   | { readonly kind: "lost" } // the connection is open, but the server can't be reached
   | { readonly kind: "timeout" } // of a wait, or of a step that took too long
   | { readonly kind: "again" } // the page itself asked for a new greeting
-  | { readonly kind: "wake" } // the network is back, or the page is looked at again
+  | { readonly kind: "wake" } // the network is back, or the page is visible again
   | { readonly kind: "stop" };
 
 export type ConnectionEffect =

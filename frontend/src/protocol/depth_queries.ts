@@ -29,7 +29,10 @@ export class DepthQueries {
 
   constructor(private readonly dependencies: QueryDependencies) {}
 
-  /** `x` and `y` range from 0 to 1, from the top left of the picture. */
+  /**
+   * Asks for the surface at a point. `x` and `y` range from 0 to 1, from the top left of the
+   * picture.
+   */
   ask(x: number, y: number): Promise<Answered> {
     const id = ++this.last;
     if (!this.dependencies.send(encodeDepthQuery(id, x, y))) return Promise.resolve({ answered: false });

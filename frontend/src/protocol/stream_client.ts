@@ -138,7 +138,7 @@ export class StreamClient {
   private freeCamera = false;
   private readonly depths: DepthQueries;
   private readonly silence: SilenceWatch;
-  /** The picture is not finished, so messages are due. */
+  /** Whether the picture is unfinished, so that messages are due. */
   private unfinished = false;
   /** Where the free camera was before the connection was lost. */
   private ownPose: CameraPose | null = null;
@@ -176,7 +176,7 @@ export class StreamClient {
     this.happened({ kind: "wake" });
   }
 
-  /** The browser has reported that it has no network. */
+  /** Probes the server, because the browser has reported that it has no network. */
   checkNetwork(): void {
     if (this.state.phase === "live") this.silence.check();
   }
@@ -222,7 +222,7 @@ export class StreamClient {
     this.planFlush();
   }
 
-  /** Sent to every new worker. */
+  /** Sets the effort, which is also sent to every new worker. */
   setEffort(effort: Effort): void {
     this.effort = effort;
     if (!this.leading) return;
@@ -273,7 +273,10 @@ export class StreamClient {
     if (this.state.phase === "live") this.socket?.send(encodeNeedKey());
   }
 
-  /** Required for each frame and still, shown or not, because the server keeps about two in flight. */
+  /**
+   * Acknowledges a frame or still. Required for each one, shown or not, because the server keeps
+   * about two in flight.
+   */
   ack(frame: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number): void {
     if (this.state.phase === "live") this.socket?.send(encodeAck(frame.seq, frame.epoch, times, queue));
     if (times.presentedMs !== undefined) this.happened({ kind: "picture" });
@@ -320,7 +323,10 @@ export class StreamClient {
     return true;
   }
 
-  /** A hidden page gets nothing, and neither does one whose picture is finished. */
+  /**
+   * Updates whether messages are due. A hidden page gets none, and neither does one whose picture
+   * is finished.
+   */
   private expectMessages(unfinished = this.unfinished): void {
     this.unfinished = unfinished;
     this.silence.expect(this.state.phase === "live" && this.visible && this.unfinished);
@@ -344,11 +350,11 @@ export class StreamClient {
     this.planFlush();
   }
 
-  /** Takes over whether this page controls the scene from now on. */
+  /** Updates whether this page controls the scene. */
   private takeRole(config: Config): void {
     if (config.follower) {
       if (this.freeCamera) {
-        // It returns over a new connection, which does not know of the free camera yet.
+        // The new connection does not know yet that this viewer has a free camera.
         if (this.leading && this.scene) this.ownPose = cameraOf(this.scene);
         this.socket?.send(encodeFreeCamera(true));
       }
@@ -415,14 +421,14 @@ export class StreamClient {
         this.depths.receive(body.value);
         break;
       case "problem":
-        // If no slot is free for it, it is not requested again automatically.
+        // A free camera that was refused is not requested again automatically.
         if (body.value.field === "own_camera" || body.value.field === "own_camera_taken") this.freeCamera = false;
         this.events.problem(body.value);
         break;
       case "fileProgress":
         this.events.fileProgress(body.value.done);
         break;
-      default: // of a later protocol: nothing that this page must know
+      default: // a message of a later protocol version, which this page can ignore
     }
   }
 

@@ -38,7 +38,7 @@ const noScans = ["META-INF/", "[Content_Types].xml", "_rels/", "mimetype", "Andr
 /** Recognises an archive by its first bytes, whatever its name. */
 export function archiveFormat(begin: Uint8Array): ArchiveFormat | null {
   const has = (at: number, ...wanted: readonly number[]) => wanted.every((byte, i) => begin[at + i] === byte);
-  if (has(0, 0x50, 0x4b, 5, 6)) return "zip"; // without a file
+  if (has(0, 0x50, 0x4b, 5, 6)) return "zip"; // an archive without files
   if (has(0, 0x50, 0x4b, 3, 4)) {
     const first = String.fromCharCode(...begin.subarray(30, 60));
     return noScans.some((name) => first.startsWith(name)) ? null : "zip";
@@ -98,7 +98,7 @@ async function* zipEntries(archive: Blob): AsyncGenerator<Piece | ArchiveFault> 
   await reader.close();
 }
 
-/** The part of the library that only lists has no reader of its own. */
+/** Adapts a Blob to the library, whose listing part has no reader for it. */
 function readerOf(archive: Blob): Reader<Blob> {
   const readUint8Array = async (at: number, length: number) =>
     new Uint8Array(await archive.slice(at, at + length).arrayBuffer());
@@ -121,14 +121,15 @@ async function gunzipped(archive: Blob, budget: Budget): Promise<Piece | Archive
 const block = 512;
 
 /**
- * A tar archive is a list of headers, each followed by its file. Own code, because a library would copy each file,
- * while these are ranges of the archive. Names are skipped, so only extended headers with a size matter.
+ * Lists the files of a tar archive: headers, each followed by its file. Implemented here, because a
+ * library would copy each file, while these are ranges of the archive. Names are skipped, so only
+ * extended headers with a size matter.
  */
 async function* tarEntries(archive: Blob): AsyncGenerator<Piece | ArchiveFault> {
   let longSize: number | null = null; // from an extended header, for the file after it
   for (let at = 0; at < archive.size;) {
     const header = new Uint8Array(await archive.slice(at, at + block).arrayBuffer());
-    if (header.every((byte) => byte === 0)) return; // the end
+    if (header.every((byte) => byte === 0)) return; // marks the end of the archive
     const kind = String.fromCharCode(header[156] ?? 0);
     const size: number | null = (isFile(kind) ? longSize : null) ?? numberAt(header, 124, 12);
     const from = at + block;

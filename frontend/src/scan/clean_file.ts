@@ -2,9 +2,9 @@ import { disguisedUid } from "./disguised_uid";
 import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./types";
 
 /**
- * What is uploaded of a slice: its voxels and a new header with only what a volume needs, so that names, dates, ID
- * numbers, comments and private elements never leave the browser. This is an allow-list: an element that it does not
- * name is not sent.
+ * The upload of a slice: its voxels and a new header with only what a volume needs, so that names,
+ * dates, ID numbers, comments and private elements never leave the browser. This is an allow-list:
+ * an element that it does not name is not sent.
  */
 
 /** Numbers and coded words, by type. Free text is not among them. */
@@ -127,7 +127,7 @@ export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptEle
   }
 }
 
-/** Integer strings. All other numbers here are decimal strings. */
+/** Tags with integer strings (IS). All other numbers here are decimal strings (DS). */
 const integerTags = new Set(["x00180086", "x00200012", "x00200013", "x00200100", "x00280008", "x00280034"]);
 const numberVr = (tag: string) => (integerTags.has(tag) ? "IS" : "DS");
 

@@ -73,6 +73,8 @@ function pixelsOf({ pixels, frame, rows, columns, bitsAllocated, samples }: Slic
   return pixels ? { offset: pixels.offset + frame * length, length } : null;
 }
 
-/** Its type refers to Node's Buffer, which does not exist in a browser. */
+/**
+ * Returns the bytes of a data set. Their type is Node's Buffer, which does not exist in a browser.
+ */
 // eslint-disable-next-line @typescript-eslint/no-unsafe-return
 export const bytesOf = (data: DataSet): Uint8Array => data.byteArray;

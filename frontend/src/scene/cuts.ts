@@ -23,7 +23,10 @@ export const leastSideMm = 1;
 export const windowWidthLimits: Limits = { low: 1, high: 100_000 };
 export const windowCentreLimits: Limits = { low: -100_000, high: 100_000 };
 
-/** By default, light passes through the parts that are cut away, or the inside would be black. */
+/**
+ * Returns the clip of the scene. By default, light passes through the parts that are cut away, or
+ * the inside would be black.
+ */
 const clipOf = (scene: Scene): Clip => scene.clip ?? create(ClipSchema, { cutsLight: true });
 const message = (v: Vec3) => create(Vec3Schema, v);
 const vector = (v: { readonly x: number; readonly y: number; readonly z: number } | undefined): Vec3 =>
@@ -68,7 +71,7 @@ export const setShowsTable = (scene: Scene, showTable: boolean): Scene => ({ ...
  * from the middle.
  */
 export interface Plane extends Direction {
-  /** mm. */
+  /** Distance from the middle in mm. */
   readonly offset: number;
 }
 
@@ -144,7 +147,7 @@ function windowed(slices: Slices, grey: Grey): Slices {
   return { ...slices, windowCentre: grey.width > 0 ? grey.centre : 40, windowWidth: width };
 }
 
-/** Without any slice, showing only the slices would give an empty picture. */
+/** Turns off showing only the slices if there are none, because the picture would be empty. */
 function notEmpty(slices: Slices): Slices {
   return slices.alone && !showsSlices(slices) ? { ...slices, alone: false } : slices;
 }

@@ -95,7 +95,9 @@ export const turnLight = (scene: Scene, index: number, to: Partial<Target>): Sce
     return placed(light, normalize(middle, vec3(0, 0, 1)), length(middle), target);
   });
 
-/** Turns a light to a point of the world. Null if the point is not in front of the light, so that it cannot. */
+/**
+ * Turns a light to a point of the world. Returns null if the point is not in front of the light.
+ */
 export function turnLightTo(scene: Scene, index: number, pose: CameraPose, point: Vec3): Scene | null {
   const light = scene.lights[index];
   const middle = light && middleOf(light);
@@ -209,7 +211,7 @@ export const colourLight = (scene: Scene, index: number, hue: Rgb): Scene =>
     return { ...light, shape: { case: light.shape.case, value } as Light["shape"] };
   });
 
-/** 0 in a scene means 1. */
+/** Returns the intensity of a light. 0 in a scene means 1. */
 export const intensityOf = (light: Light): number => (light.intensity === 0 ? 1 : light.intensity);
 
 export const dimLight = (scene: Scene, index: number, intensity: number): Scene =>
@@ -259,7 +261,7 @@ export function lockLight(scene: Scene, index: number, locked: boolean, pose: Ca
 /** Irradiance at the middle of a new light with intensity 1, so that all shapes start equally bright. */
 const irradiance = 8;
 
-/** The area of a new light of size 1 as the middle sees it. */
+/** Area of a new light of size 1, projected towards the middle. */
 const areaSeen: Readonly<Record<Shape, (towards: Vec3) => number>> = {
   rectangle: () => 1,
   disk: () => Math.PI / 4,

@@ -14,7 +14,7 @@ export interface Measure {
   readonly plane: Plane;
   readonly slice: number;
   readonly points: readonly Vec3[];
-  /** The saved set that it belongs to. Absent: it is not saved. */
+  /** The saved set that the measurement belongs to. Absent if it is not saved. */
   readonly set?: string;
 }
 

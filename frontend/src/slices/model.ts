@@ -39,7 +39,7 @@ export class Slices {
   /** If false, only the 3D picture is shown. */
   readonly open = signal(false);
   readonly shown = signal<Shown>("four");
-  /** The page is too narrow for four views and shows one at a time. */
+  /** Whether the page is too narrow for four views, so that it shows one at a time. */
   readonly narrow = signal(false);
   readonly crosshair = signal<Vec3>(middle);
   readonly window = signal<Window>({ centre: 0, width: 1 });
@@ -57,7 +57,7 @@ export class Slices {
   /** Increases with every slice that arrives. */
   readonly received = signal(0);
   readonly damaged = signal(false);
-  /** The slices are those that someone else presents, so only their own view could change them. */
+  /** Whether someone else presents the slices, so that this viewer's own edits do not apply. */
   readonly following = signal(false);
 
   readonly view = computed<Shown>(() => {
@@ -105,7 +105,10 @@ export class Slices {
     });
   }
 
-  /** Called on every connection to a worker. */
+  /**
+   * Takes over the stacks of a new connection. Everything is reset if they belong to another
+   * volume.
+   */
   configured(stacks: readonly Stack[], header: Header | undefined): void {
     this.damaged.value = false;
     // Without the volume's hash, the page requests its slices again after each reconnection.
@@ -223,7 +226,7 @@ export class Slices {
     this.shown.value = this.view.value === one ? "four" : one;
   }
 
-  /** What to restore after a reload, or null until there is a volume. */
+  /** Returns what to restore after a reload, or null until there is a volume. */
   remembered(): RememberedSlices | null {
     if (this.own) return this.own.remembered;
     if (this.volume === null) return this.before;
@@ -238,7 +241,7 @@ export class Slices {
     };
   }
 
-  /** What others see who follow this viewer. */
+  /** Returns what followers of this viewer see. */
   presented(): PresentedSlices {
     const { shown, strength } = this.overlay.value;
     return {
@@ -282,7 +285,10 @@ export class Slices {
     });
   }
 
-  /** Guests are not told the range of a scan's values, so they begin with the presenter's window. */
+  /**
+   * Starts with the presenter's window if this viewer, as a guest, does not know the range of the
+   * scan's values.
+   */
   private beginWith(window: Window): void {
     if (this.knowsRange || !this.available.value || window.width <= 0) return;
     const untouched = this.window.value.centre === this.first.centre && this.window.value.width === this.first.width;

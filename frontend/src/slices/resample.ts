@@ -51,7 +51,10 @@ export function samplesOf({ count, start, scale, view }: Axis): Samples {
 
 const nothing: number = blank;
 
-/** Nothing is interpolated with a blank pixel, because values in between would show matter that does not exist. */
+/**
+ * Interpolates two values, but not with a blank pixel, because values in between would show matter
+ * that does not exist.
+ */
 const between = (a: number, b: number, part: number): number =>
   a === nothing || b === nothing ? (part < 0.5 ? a : b) : a + (b - a) * part;
 

@@ -1,4 +1,4 @@
-/** A round length, and how long it is in the view. */
+/** A round length and its size in the view. */
 export interface ScaleBar {
   readonly mm: number;
   readonly pixels: number;

@@ -8,7 +8,9 @@ interface Pending {
   readonly reject: (why: Error) => void;
 }
 
-/** Uses WebCodecs, which exists only in secure contexts. The key frames configure it. */
+/**
+ * Decodes H.264 with WebCodecs, which exists only in secure contexts. The key frames configure it.
+ */
 export class H264Decoder implements FrameDecoder {
   readonly independent = false;
   private readonly decoder: VideoDecoder;

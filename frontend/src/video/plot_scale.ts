@@ -12,7 +12,7 @@ export interface Plot {
   readonly samples: readonly { readonly at: number; readonly samples: number }[];
 }
 
-/** As in renderd/film/error_curve.h. */
+/** The smallest ratio of samples from point to point, as in renderd/film/error_curve.h. */
 const step = 1.05;
 
 const isKnown = ({ seconds, error }: Pick<ErrorPoint, "seconds" | "error">) =>

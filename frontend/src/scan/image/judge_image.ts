@@ -26,7 +26,7 @@ export function judgeImage(image: ImageHeader): Suitable | Unsuitable {
   };
 }
 
-/** NIfTI-1 counts in signed numbers of 16 bits. */
+/** Maximum of the signed 16-bit dimensions of NIfTI-1. */
 const mostSide = 32767;
 
 /** The same tolerance as in volume/header.cpp. */

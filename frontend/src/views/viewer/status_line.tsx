@@ -59,7 +59,7 @@ function overOf(trouble: Trouble | null, visitor: Visitor | undefined): JSX.Elem
 }
 
 interface StatusMessageProps {
-  /** Nothing is wrong, but there is no picture yet. */
+  /** Whether nothing is wrong, but there is no picture yet. */
   readonly waiting: boolean;
   /** Whether the message stays until the user acts. */
   readonly bad: boolean;

@@ -67,7 +67,7 @@ export function OneLight({ session, leads, picture, light, index }: LightProps &
   );
 }
 
-/** Handler that moves a light. Each light's movements are one undo step. */
+/** Returns a handler that moves a light. Each light's movements are one undo step. */
 const moveLight = (session: ViewerSession, index: number) =>
   sceneEdits(session.editor).live(`light place ${index}`, (now, to: Partial<lights.Place>) =>
     lights.placeLight(now, index, to),
