@@ -55,7 +55,7 @@ class Options:
     areas: tuple[str, ...] = PRODUCT
     jobs: int = 1
     json: Path | None = None
-    #: After this time, no more mutants are started.
+    #: Time after which no more mutants are started.
     end: float = math.inf
     deep: bool = False
 

@@ -51,7 +51,8 @@ def install(names: list[str], afterwards: str = "") -> None:
 def unpack(names: Sequence[str], into: Path) -> None:
     """Downloads packages and unpacks them into a folder. They are not installed, so that the machine gets no new services."""
     with tempfile.TemporaryDirectory(prefix="diaphane-packages-") as folder:
-        # As root, apt-get would download as a user who cannot write to this folder.
+        # Without this option, apt-get as root would download as a user who cannot write to this
+        # folder.
         command = ["apt-get", "-qq", "-o", "APT::Sandbox::User=", "download", *names]
         if commands.run(command, cwd=folder).returncode != 0:
             _apt("update")      # the package lists may be older than the mirror

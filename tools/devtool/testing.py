@@ -305,7 +305,7 @@ def _sanitizers(reports: Path) -> Count:
     return count + Count(passed=int(raced), failed=int(not raced))
 
 
-#: After this time, the nightly lane starts no more mutants.
+#: Time after which the nightly lane starts no more mutants.
 NIGHTLY_MUTANT_SECONDS = 2.5 * 3600
 
 

@@ -77,7 +77,8 @@ def current() -> str:
 
 
 def owner_of(path: Path) -> RunAs:
-    """For root, returns the user who owns the directory. Returns an empty RunAs for other users, and for directories of root."""
+    """Returns the user who owns the directory, if root runs this. Returns an empty RunAs for other
+    users, and for directories of root."""
     try:
         entry = pwd.getpwuid(path.stat().st_uid)
     except (OSError, KeyError):

@@ -59,7 +59,7 @@ export async function problemOf(response: Response): Promise<ApiProblem> {
 export class Api {
   private token = "";
 
-  /** The CSRF token of the session, for uploads, which do not use `fetch`. */
+  /** Returns the CSRF token of the session, for uploads, which do not use `fetch`. */
   get csrfToken(): string {
     return this.token;
   }

@@ -35,7 +35,10 @@ export class SharingApi {
     return read(this.send("PATCH", `/v1/data-sets/${id}`, what));
   }
 
-  /** `slices` controls whether users of the gallery may see the slices of a public scan. */
+  /**
+   * Makes a scan public or private. `slices` controls whether users of the gallery may see the
+   * slices of a public scan.
+   */
   setVisibility(id: string, visibility: "private" | "public", slices = false): Promise<DataSet> {
     return read(
       this.send("POST", `/v1/data-sets/${id}/visibility`, {

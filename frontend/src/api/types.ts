@@ -16,7 +16,10 @@ export interface Me {
     readonly quota_ms: number;
     readonly used_ms: number;
     readonly renewed_at: string;
-    /** When open pictures close because no rendering time is left. Null: no end is scheduled. */
+    /**
+     * Time at which open pictures close because no rendering time is left. Null if no end is
+     * scheduled.
+     */
     readonly pictures_end_at: string | null;
   };
 }

@@ -6,7 +6,7 @@ export const partBounds = { first: 1 << 20, least: 1 << 18, most: 8 << 20 } as c
 /** Target duration of a part. A pause or a closed window loses the part in transit. */
 const partMs = 2000;
 
-/** The size of the next part, after one of `bytes` took `ms`. */
+/** Returns the size of the next part, after one of `bytes` took `ms`. */
 export function nextPartBytes(bytes: number, ms: number): number {
   const target = (bytes * partMs) / Math.max(1, ms);
   return Math.round(Math.min(partBounds.most, Math.max(partBounds.least, target)));

@@ -36,7 +36,10 @@ export function begun(dataSetId: string, total: number): UploadView {
   };
 }
 
-/** A stall ends when more bytes arrive than before it, not when a retry begins. */
+/**
+ * Updates the progress. A stall ends when more bytes arrive than before it, not when a retry
+ * begins.
+ */
 export function withProgress(view: UploadView, sent: number, atMs: number): UploadView {
   if (view.phase !== "sending" && view.phase !== "stalled") return view;
   const still = view.phase === "stalled" && sent <= view.sent;

@@ -116,7 +116,7 @@ export class Uploads {
     this.uploadViews.value = new Map();
   }
 
-  /** Like `interrupted`, but this window becomes the one that sends the upload. */
+  /** Returns the same as `interrupted`, and makes this window the one that sends the upload. */
   private async resumeRemembered(fingerprint: string, bytes: number): ReturnType<Uploads["interrupted"]> {
     const known = rememberedUpload(local, fingerprint);
     if (known?.bytes !== bytes || this.own.has(known.data_set_id)) return null;

@@ -45,7 +45,7 @@ function unrolled(azimuth: number, elevation: number): CameraFrame {
     Math.cos(elevation) * Math.sin(azimuth),
     Math.sin(elevation),
   );
-  // Not computed as cross(pole, back), because this form stays exact when looking straight down.
+  // `right` is not cross(pole, back), because this form stays exact when looking straight down.
   const right = vec3(-Math.sin(azimuth), Math.cos(azimuth), 0);
   return { right, up: cross(back, right), back };
 }

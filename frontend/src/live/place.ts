@@ -45,7 +45,7 @@ export function guestPlace(api: Api, token: string, guest: Guest): Place {
   };
 }
 
-/** Viewing without an account: a sample, or a scan shared by link. */
+/** Returns the place of a visit without an account: a sample, or a scan shared by link. */
 export function visitPlace(
   api: Api,
   what: { readonly token: string } | { readonly data_set_id: string },

@@ -18,7 +18,7 @@ export interface Mark {
   readonly text: string;
   /** The tip of an arrow, the middle of a circle, or the point that a text is about. */
   readonly place: Vec3;
-  /** Where an arrow begins. */
+  /** The place where an arrow begins. */
   readonly tail: Vec3;
   /** The radius of a circle, which is the outline of a sphere. */
   readonly radius: number;

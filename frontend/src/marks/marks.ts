@@ -10,7 +10,7 @@ export interface OthersMark {
   readonly mark: Mark;
 }
 
-/** The key of a mark among those of all participants. */
+/** Returns the key of a mark among those of all participants. */
 export const keyOf = (number: number, id: number): string => `${number}.${id}`;
 
 /** The marks of this viewer, and those that the others show. */

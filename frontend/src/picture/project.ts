@@ -116,8 +116,8 @@ export function faceOf(box: Box, axis: Axis, side: "low" | "high"): { readonly p
 export const handlePx = 44;
 
 /**
- * Of overlapping items, keeps the one with the lowest rank, because the others would be hit by accident. They stay
- * reachable by their sliders.
+ * Removes overlapping items except for the one with the lowest rank, because the others would be
+ * hit by accident. They stay reachable by their sliders.
  */
 export function apart<Item extends Point>(items: readonly Item[], rank: (item: Item) => number): Item[] {
   const taken: Item[] = [];

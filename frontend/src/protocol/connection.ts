@@ -67,7 +67,9 @@ export interface Step {
 
 export const firstState: ConnectionState = { phase: "idle", attempt: 0, wasLive: false, trouble: null };
 
-/** A visit has ended, or the rendering time is used up, so that there are no more pictures. */
+/**
+ * Whether there are no more pictures, because a visit has ended or the rendering time is used up.
+ */
 export const isOver = ({ trouble }: ConnectionState): boolean => trouble === "link_ended" || trouble === "time_spent";
 
 const stepLimitMs = 10_000;
@@ -155,8 +157,8 @@ const linkEnded = 4410;
 const displaced = 4411;
 
 /**
- * After these codes, the page does not reconnect automatically. Otherwise, two windows would take the session from each
- * other for ever.
+ * Close codes after which the page does not reconnect automatically. Otherwise, two windows would
+ * take the session from each other for ever.
  */
 const finalCloses: Readonly<Record<number, Pick<ConnectionState, "phase" | "trouble">>> = {
   [takenOver]: { phase: "elsewhere", trouble: "taken_over" },

@@ -76,7 +76,7 @@ export function withinBounds(viewport: Viewport, most: number): Viewport {
 type Bytes = Uint8Array<ArrayBuffer>;
 const encoded = (message: ClientMessage): Bytes => toBinary(ClientMessageSchema, message);
 
-/** @throws if the bytes are not a ServerMessage. */
+/** Decodes a message of the server. @throws if the bytes are not a ServerMessage. */
 export const decodeServerMessage = (bytes: Uint8Array): ServerMessage => fromBinary(ServerMessageSchema, bytes);
 
 /** The formats that this browser can show. Each of them has been tested. */

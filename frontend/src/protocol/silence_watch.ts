@@ -1,6 +1,9 @@
-/** How long a server that owes an answer may be silent before it is probed, so that a loss is known within 3 s. */
+/**
+ * Time for which a server that owes an answer may be silent before it is probed, so that a loss is
+ * known within 3 s.
+ */
 const quietMs = 1200;
-/** How long a probe may take. */
+/** Time limit of a probe. */
 export const probeLimitMs = 1500;
 /** The same after a successful probe: the server is only slow, for example because it compiles. */
 const slowMs = 5000;

@@ -82,30 +82,31 @@ export interface StreamDependencies extends Pick<SilenceDependencies, "nowMs" | 
 
 export interface StreamEvents {
   connection(state: ConnectionState): void;
-  /** Called before any frame of the connection. */
+  /** Called with the configuration of a connection, before any of its frames. */
   config(config: Config): void;
   frame(frame: Frame): void;
   still(still: Still): void;
   slice(slice: ExactSlice): void;
-  /** The session's clip has changed since the slices arrived. */
+  /** Called if the session's clip has changed since the slices arrived. */
   slicesStale(): void;
-  /** The participants. This page may have become the presenter, or may no longer be. */
+  /** Called with the participants. This page may have become the presenter, or may no longer be. */
   audience(audience: Audience): void;
-  /** The presenter's scene. */
+  /** Called with the presenter's scene. */
   look(scene: Scene): void;
   state(state: State): void;
   stats(stats: Stats): void;
   problem(problem: Problem): void;
-  /** Progress of the ordered file, from 0 to 1. */
+  /** Called with the progress of the ordered file, from 0 to 1. */
   fileProgress(done: number): void;
   filePart(part: FilePart): void;
-  // After a request: the kernel that renders the picture, and the error of the current view.
+  // Called after a request with the kernel that renders the picture, or the error of the current
+  // view.
   kernel(report: KernelReport): void;
   errorCurve(curve: ErrorCurve): void;
-  /** What the other participants show. */
+  /** Called with what the other participants show. */
   shared(shared: SharedState): void;
   markSight(sight: MarkSight): void;
-  /** The labels of the scan, whenever they change. */
+  /** Called with the labels of the scan, whenever they change. */
   labels(labels: Labels): void;
 }
 
@@ -158,7 +159,7 @@ export class StreamClient {
     return this.state;
   }
 
-  /** The number of the newest input. */
+  /** Returns the number of the newest input. */
   get inputSeq(): number {
     return this.lastInputSeq;
   }
@@ -181,7 +182,10 @@ export class StreamClient {
     if (this.state.phase === "live") this.silence.check();
   }
 
-  /** The last request of an earlier visit, sent only to a worker that has not received it. Call before `start`. */
+  /**
+   * Sets the last request of an earlier visit, which is sent only to a worker that has not received
+   * it. Call before `start`.
+   */
   remember(scene: Scene, inputSeq: number): void {
     this.scene = scene;
     this.lastInputSeq = inputSeq;

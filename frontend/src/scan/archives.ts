@@ -11,7 +11,10 @@ export type ArchiveFormat = "zip" | "gzip" | "tar" | "other";
  */
 export type ArchiveFault = "encrypted" | "damaged" | "nested" | "large" | "format";
 
-/** What the archives of one choice may unpack to, so that a small file cannot fill the memory or the disk. */
+/**
+ * Limits on what the archives of one choice unpack to, so that a small file cannot fill the memory
+ * or the disk.
+ */
 export class Budget {
   constructor(
     private files = 100_000,
@@ -149,13 +152,16 @@ async function* tarEntries(archive: Blob): AsyncGenerator<Piece | ArchiveFault> 
 
 const longestExtendedHeader = 1024 * 1024;
 const isFile = (kind: string) => kind === "0" || kind === "\0" || kind === "7";
-/** An extended header (POSIX pax) contains lines such as "21 size=8589934592". */
+/**
+ * Returns the size in an extended header (POSIX pax), which contains lines such as "21
+ * size=8589934592".
+ */
 const sizeIn = (text: string): number | null => {
   const found = /(?:^|\n)\d+ size=(\d+)\n/.exec(text)?.[1];
   return found === undefined ? null : Number(found);
 };
 
-/** A number in octal digits, or in binary if its first bit is set (GNU tar). */
+/** Parses a number in octal digits, or in binary if its first bit is set (GNU tar). */
 function numberAt(header: Uint8Array, at: number, length: number): number | null {
   const bytes = header.subarray(at, at + length);
   if ((bytes[0] ?? 0) & 0x80) {

@@ -177,7 +177,10 @@ export function uploadParts(slices: readonly SliceHeader[]): UploadPart[] {
   return [...files.values()].flatMap((ofFile, i) => uploadPart(ofFile, i + 1) ?? []);
 }
 
-/** `number` is the position of the file in the bundle, from 1. It replaces the identifiers. */
+/**
+ * Returns the upload of one file. `number` is its position in the bundle, from 1, which replaces
+ * the identifiers.
+ */
 function uploadPart(slices: readonly SliceHeader[], number: number): UploadPart | null {
   const slice = slices[0];
   const voxels = slice?.voxels;
@@ -221,8 +224,8 @@ function uploadPart(slices: readonly SliceHeader[], number: number): UploadPart 
 const frameGroupsTag = "x52009230";
 
 /**
- * PerFrameFunctionalGroupsSequence. The items of frames that were not chosen are empty, and the server skips these
- * frames.
+ * Returns PerFrameFunctionalGroupsSequence. The items of frames that were not chosen are empty, and
+ * the server skips these frames.
  */
 function frameGroups(slices: readonly SliceHeader[], implicit: boolean, little: boolean): Uint8Array {
   const chosen = new Map(slices.map((slice) => [slice.frame, slice]));

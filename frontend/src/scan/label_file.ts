@@ -16,7 +16,7 @@ export class LabelFileError extends Error {
   }
 }
 
-/** As the server allows (docs/bounds.toml). */
+/** Maximum size that the server accepts (docs/bounds.toml). */
 const mostBytes = 2 ** 30;
 
 /**

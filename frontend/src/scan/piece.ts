@@ -32,7 +32,7 @@ const slack = 64 * 1024;
 export async function beginningOf(piece: Piece, most: number): Promise<Uint8Array<ArrayBuffer>> {
   const size = Math.min(most, piece.size);
   if (!piece.zipped) return bytesOf(piece.blob.slice(0, size));
-  // In a single read, because each takes the browser about two milliseconds.
+  // Reads all at once, because each read takes the browser about two milliseconds.
   const { isDeflated, packedSize } = piece.zipped;
   const read = await bytesOf(piece.blob.slice(0, 2 * size + 2 * slack));
   const begin = dataBegin(new DataView(read.buffer));

@@ -16,7 +16,7 @@ export class HeaderReader {
   /** The step that was sufficient for the previous file. */
   private usual = 0;
 
-  /** Never throws, because a bad file must not stop the scan. */
+  /** Reads the header of a file. Never throws, because a bad file must not stop the scan. */
   async read(file: Piece, index: number): Promise<HeaderRead> {
     try {
       for (let step = this.usual; step < steps.length; step++) {

@@ -66,7 +66,7 @@ interface Archive {
   readonly depth: number;
 }
 
-/** What is found in the chosen files, and then in the archives among them. */
+/** The search of the chosen files, and then of the archives among them. */
 class Search {
   readonly pieces: Piece[] = [];
   readonly headers: SliceHeader[] = [];
@@ -84,7 +84,7 @@ class Search {
     private readonly stopped: () => boolean,
   ) {}
 
-  /** Number of files that are not archives. */
+  /** Returns the number of files that are not archives. */
   get files(): number {
     return this.pieces.length - this.archives.length;
   }

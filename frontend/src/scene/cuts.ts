@@ -90,7 +90,10 @@ function messageOf(plane: Plane): ClipPlane {
 /** Returns the unit normal, which points to the side that is cut away. */
 export const normalOf = (plane: Direction): Vec3 => ofPatient(unitOf(plane));
 
-/** Half of the box's diagonal. Beyond it, a plane cuts away nothing or everything. */
+/**
+ * Returns half of the box's diagonal. A plane at a greater distance cuts away nothing or
+ * everything.
+ */
 export const reachOf = ({ low, high }: Box): number => Math.hypot(high.x - low.x, high.y - low.y, high.z - low.z) / 2;
 
 export const addPlane = (scene: Scene): Scene => {

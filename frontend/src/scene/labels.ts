@@ -12,7 +12,7 @@ import { within } from "./numbers";
 /** The label number of voxels that belong to no label. */
 export const unlabelled = 0;
 
-/** The colour that the file of labels suggests. */
+/** Returns the colour that the file of labels suggests. */
 export const suggestedColour = ({ colour }: Pick<Label, "colour">): Rgb =>
   rgbOf(`#${colour.toString(16).padStart(6, "0")}`);
 

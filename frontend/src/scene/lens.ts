@@ -70,7 +70,7 @@ export const setFocus = (scene: Scene, distance: number | null): Scene =>
       }
     : scene;
 
-/** An aperture with a visible depth of field: a fiftieth of the distance. */
+/** Returns an aperture with a visible depth of field: a fiftieth of the distance. */
 const seenAperture = (distance: number): number => clamp(distance / 50, 1, 20);
 
 /** Focuses at a distance in mm. Opens the aperture if it is a pinhole, with which everything is sharp. */

@@ -20,7 +20,7 @@ export type { Shown };
 type Header = Parameters<typeof firstWindow>[0] & { readonly contentHash: string };
 const middle = vec3(0, 0, 0);
 
-/** What a viewer returns to after following someone else. */
+/** The view to which a viewer returns after following someone else. */
 interface OwnView {
   readonly remembered: RememberedSlices;
   readonly shown: Shown;
@@ -36,7 +36,7 @@ export class Slices {
   readonly access = signal<Access>("none");
   /** Whether there are slices to show. */
   readonly available = computed(() => this.access.value !== "none" && this.stacks.value.size > 0);
-  /** If false, only the 3D picture is shown. */
+  /** Whether slices are shown. If not, only the 3D picture is shown. */
   readonly open = signal(false);
   readonly shown = signal<Shown>("four");
   /** Whether the page is too narrow for four views, so that it shows one at a time. */
@@ -83,7 +83,10 @@ export class Slices {
   private own: OwnView | null = null;
   private presentedMeasures: readonly Measure[] = [];
 
-  /** `before` is restored if it belongs to the volume. `look` reads the signal of the scene. */
+  /**
+   * Creates the state. `before` is restored if it belongs to the volume. `look` reads the signal of
+   * the scene.
+   */
   constructor(
     ask: StoreParts["ask"],
     private before: RememberedSlices | null = null,

@@ -9,7 +9,7 @@ export type Shown = "picture" | "four" | Plane;
 
 /** What a presenter shows of the slices. */
 export interface PresentedSlices {
-  /** Null while only the picture is shown. */
+  /** The shown views. Null while only the picture is shown. */
   readonly view: Shown | null;
   readonly crosshair: Vec3;
   readonly window: Window;

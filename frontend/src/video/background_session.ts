@@ -122,7 +122,7 @@ export class BackgroundSession<Done, Reason extends string = never> {
   }
 }
 
-/** The browser's own socket and timers for a background session. */
+/** Returns the browser's own socket and timers for a background session. */
 export const browserBackgroundParts = <State>(
   ticketSource: TicketSource,
   state: (state: State) => void,

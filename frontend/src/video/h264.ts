@@ -77,8 +77,8 @@ export class H264Decoder implements FrameDecoder {
   }
 
   /**
-   * Some hardware decoders keep the last picture until the next one arrives. A flush forces it out and breaks the
-   * chain.
+   * Forces out the last picture, which some hardware decoders keep until the next one arrives. A
+   * flush breaks the chain.
    */
   private watch(): void {
     clearTimeout(this.stuck);

@@ -9,7 +9,7 @@ export interface Mpeg1Order {
   readonly width: number;
   readonly height: number;
 }
-/** Null if the frame could not be decoded. */
+/** The picture, or null if the frame could not be decoded. */
 export type Mpeg1Answer = ImageBitmap | null;
 
 // jsmpeg reads its clock from `window`, which a worker lacks.

@@ -13,7 +13,7 @@ const faded = 0.08;
 export class Painter {
   private readonly context: CanvasRenderingContext2D;
   private fitsWindow = false;
-  /** Where the shown picture lies on the canvas. */
+  /** The rectangle of the shown picture on the canvas. */
   private shown: Rectangle | null = null;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -76,7 +76,10 @@ export class Painter {
     if (place.y > 1) this.fadeEdges(place.y, place.height);
   }
 
-  /** The background of the page, which the canvas shows next to the picture. Opaque: "rgb(r, g, b)". */
+  /**
+   * Returns the background of the page, which the canvas shows next to the picture. It is opaque:
+   * "rgb(r, g, b)".
+   */
   private ground(): string {
     return getComputedStyle(this.canvas).backgroundColor;
   }

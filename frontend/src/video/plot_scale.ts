@@ -8,7 +8,7 @@ export interface Plot {
   readonly guide: string;
   readonly vertical: readonly { readonly at: number; readonly seconds: number }[];
   readonly horizontal: readonly { readonly at: number; readonly percent: number }[];
-  /** Where the curve has 1, 10, 100 … samples per pixel. */
+  /** The places at which the curve has 1, 10, 100 … samples per pixel. */
   readonly samples: readonly { readonly at: number; readonly samples: number }[];
 }
 

@@ -51,7 +51,7 @@ export function rememberView(store: Store, dataSetId: string, view: RememberedVi
   }
 }
 
-/** What each store received last, because views are remembered several times per second. */
+/** The last content of each store, because views are remembered several times per second. */
 const written = new WeakMap<Store, { readonly dataSetId: string; readonly steps: History<Scene> }>();
 /**
  * The JSON text of scenes, cached because scenes are immutable and most steps were written before.

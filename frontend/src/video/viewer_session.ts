@@ -42,7 +42,7 @@ import { PictureStore } from "./picture_store";
 import { SceneEditor } from "./scene_editor";
 import { rememberView, rememberedView } from "./view_memory";
 
-/** Where this browser stores the user's preferences. */
+/** The browser's storage for the user's preferences. */
 export type Preferences = Pick<Storage, "getItem" | "setItem">;
 
 const effortKey = "diaphane.effort";
@@ -207,7 +207,7 @@ export class ViewerSession {
     return this.place.data_set_id;
   }
 
-  /** The scan whose pictures may be loaded, if any. */
+  /** Returns the ID of the scan whose pictures may be loaded, or null. */
   get picturedId(): string | null {
     return this.place.pictured_id;
   }
@@ -216,7 +216,7 @@ export class ViewerSession {
     return this.currentSessionId;
   }
 
-  /** The size of the canvas in device pixels. */
+  /** Returns the size of the canvas in device pixels. */
   get viewport(): Viewport {
     return this.canvasSize;
   }

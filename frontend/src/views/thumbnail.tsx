@@ -23,7 +23,7 @@ const busy: Later = ({ status }) => status === 0 || status === 429 || status >= 
 const notYet: Later = (problem) => problem.status === 404 || busy(problem);
 
 export interface Picture {
-  /** Null until the picture exists. It is requested again until then. */
+  /** The URL of the picture, or null until it exists. It is requested again until then. */
   readonly url: string | null;
   /** Whether the server cannot render the picture now, or does not have it. */
   readonly missing: boolean;

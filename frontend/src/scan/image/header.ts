@@ -21,7 +21,7 @@ export interface ImageHeader {
   readonly volumes: number;
   /** Number of values per voxel, such as the three of a colour. */
   readonly values: number;
-  /** Null for another type. */
+  /** The type of the values, or null for an unsupported one. */
   readonly type: VoxelType | null;
   readonly littleEndian: boolean;
   /** The step from voxel to voxel along each axis, in mm in the patient's space (LPS). Null if the file does not say. */

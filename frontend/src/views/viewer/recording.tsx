@@ -101,7 +101,7 @@ function useRecordings() {
       setMessage(app.explain(thrown));
     });
   };
-  /** The switch moves at once, and moves back only if the server refuses. */
+  /** Changes the consent. The switch moves at once, and moves back only if the server refuses. */
   const agree = (now: Recordings, consent: boolean) => {
     setMine({ ...now, consent });
     change(app.api.recordInteraction(consent), () => setMine(now));

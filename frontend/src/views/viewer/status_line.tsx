@@ -52,7 +52,7 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
   );
 }
 
-/** The panel that permanently replaces the picture, if there is one. */
+/** Returns the panel that permanently replaces the picture, if there is one. */
 function overOf(trouble: Trouble | null, visitor: Visitor | undefined): JSX.Element | null {
   if (trouble === "time_spent") return <PictureTimeOver />;
   return visitor && trouble === "link_ended" ? <VisitOver visitor={visitor} /> : null;

@@ -26,7 +26,9 @@ interface Work {
 }
 
 export interface Shot {
-  /** Null if nothing is being rendered and no result is waiting to be read. */
+  /**
+   * The state of the export. Null if nothing is being rendered and no result is waiting to be read.
+   */
   readonly state: State | null;
   readonly video: boolean;
   /** The frames of a video, and 1 for a picture. */

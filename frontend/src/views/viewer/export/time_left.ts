@@ -1,6 +1,6 @@
 /** The progress of a file at a time. */
 export interface ProgressMark {
-  /** From 0 to 1. */
+  /** The completed fraction, from 0 to 1. */
   readonly done: number;
   readonly atMs: number;
 }

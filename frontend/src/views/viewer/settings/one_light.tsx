@@ -292,7 +292,10 @@ function RemoveLight({ session, light, index }: LightProps) {
   );
 }
 
-/** The other lights of the same kind, camera-locked or fixed to the patient. The ball shows them, too. */
+/**
+ * Returns the other lights of the same kind, camera-locked or fixed to the patient, which the ball
+ * also shows.
+ */
 const othersOf = (session: ViewerSession, light: Light): lights.Place[] =>
   (session.editor.scene.value?.lights ?? [])
     .filter((one) => one !== light && one.cameraLocked === light.cameraLocked && !one.disabled)

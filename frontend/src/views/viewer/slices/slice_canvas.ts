@@ -6,7 +6,10 @@ import { shade } from "../../../slices/window";
 
 export interface SliceDrawing {
   readonly stack: Stack;
-  /** Null clears the canvas, because the previous slice belongs to another position. */
+  /**
+   * The values of the slice. Null clears the canvas, because the previous slice belongs to another
+   * position.
+   */
   readonly values: Int16Array | null;
   readonly table: Uint32Array;
   /** Whether values are interpolated. Otherwise, each voxel is a sharp rectangle at any zoom. */

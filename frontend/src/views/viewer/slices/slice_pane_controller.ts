@@ -192,7 +192,7 @@ export class SlicePaneController {
     }
   }
 
-  /** The kind that the tool measures, or null for another tool. */
+  /** Returns the kind that the tool measures, or null for another tool. */
   private measureKind(): MeasureKind | null {
     return measureKinds.find((kind) => kind === this.slices.tool.value) ?? null;
   }
