@@ -91,7 +91,7 @@ export class SharingApi {
     return read(this.send("POST", "/v1/follow", { token }));
   }
 
-  /** Starts a visit by link or to a public scan. Needs no account. */
+  /** Opens a sample, or a scan by link. Needs no account. */
   visit(
     what: { readonly token: string } | { readonly data_set_id: string },
     key: string,

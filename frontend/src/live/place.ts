@@ -7,7 +7,7 @@ import type { TicketSource } from "../protocol/stream_client";
 /** The source of a viewer's pictures, and the key under which the page remembers the view. */
 export interface Place {
   readonly key: string;
-  /** The user's own scan, or null for a guest. */
+  /** The scan that the user's account may open, or null for guests and visitors. */
   readonly data_set_id: string | null;
   /** The scan whose pictures this person may load; a guest gets those of samples only. */
   readonly pictured_id: string | null;

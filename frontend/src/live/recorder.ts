@@ -44,7 +44,7 @@ export class Recorder {
     return full;
   }
 
-  /** Returns the current recording, or null if the user only looked at a picture. */
+  /** Ends and returns the current recording, or null if the user only looked at a picture. */
   take(viewport: Viewport): Recording | null {
     const events = this.events;
     this.events = [];

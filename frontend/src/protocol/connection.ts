@@ -32,7 +32,7 @@ export interface ConnectionState {
   readonly phase: Phase;
   /** Number of attempts since the last picture arrived. */
   readonly attempt: number;
-  /** Whether a picture was shown before, so that this is a reconnection. */
+  /** Whether a worker was connected before, so that this is a reconnection. */
   readonly wasLive: boolean;
   readonly trouble: Trouble | null;
 }

@@ -2,7 +2,7 @@ import { vec3, type Vec3 } from "../input/vec3";
 import { encodeDepthQuery } from "./messages";
 import type { Depth } from "./gen/api/proto/stream_pb";
 
-/** The surface at a point of the picture. Null for the background, or without a response. */
+/** The surface at a point of the picture. */
 export interface SeenPlace {
   /** Distance from the eye along the view axis, in mm. */
   readonly distance: number;

@@ -226,7 +226,7 @@ export class StreamClient {
     this.planFlush();
   }
 
-  /** Sets the effort, which is also sent to every new worker. */
+  /** Sets the effort, which every new worker gets as well. */
   setEffort(effort: Effort): void {
     this.effort = effort;
     if (!this.leading) return;

@@ -38,7 +38,7 @@ export function boxOf(scene: Scene, bounds: Box): Box {
   return boxLow && boxHigh ? { low: vector(boxLow), high: vector(boxHigh) } : bounds;
 }
 
-/** Limits of a face: it must not pass the opposite face or leave the volume. */
+/** Returns the limits of a face, which must not pass the opposite face or leave the volume. */
 export function faceLimits(scene: Scene, bounds: Box, axis: Axis, side: Side): Limits {
   const box = boxOf(scene, bounds);
   return side === "low"
@@ -133,7 +133,7 @@ export type SliceName = "sagittal" | "coronal" | "axial";
 export const sliceAxes: Readonly<Record<SliceName, Axis>> = { sagittal: "x", coronal: "y", axial: "z" };
 export const sliceNames: readonly SliceName[] = ["axial", "coronal", "sagittal"];
 
-/** The grey window stored in the scan, or a soft-tissue window. */
+/** The grey window stored in the scan. Its width is 0 if there is none. */
 export interface Grey {
   readonly centre: number;
   readonly width: number;
@@ -143,7 +143,10 @@ export const slicesOf = (scene: Scene): Slices => scene.slices ?? create(SlicesS
 
 export const showsSlices = (slices: Slices): boolean => sliceNames.some((name) => slices[name]?.shown);
 
-/** Adds a window to grey slices, because the server refuses a scene with slices without one. */
+/**
+ * Adds a window, by default one for soft tissue, because the server refuses a scene with slices
+ * without one.
+ */
 function windowed(slices: Slices, grey: Grey): Slices {
   if (slices.windowWidth >= windowWidthLimits.low) return slices;
   const width = grey.width > 0 ? clamp(grey.width, windowWidthLimits.low, windowWidthLimits.high) : 400;

@@ -55,7 +55,10 @@ export function placeOf(light: Light): Place | null {
   return { ...directionOf(seen), distance: length(middle) };
 }
 
-/** Returns the direction of a light as seen in the picture. The front is towards the viewer. */
+/**
+ * Returns the direction of a light as seen in the picture. The front is towards the viewer. Null
+ * for the environment.
+ */
 export function seenDirection(light: Light, pose: CameraPose): Direction | null {
   const middle = middleOf(light);
   return middle && directionOf(light.cameraLocked ? middle : fromWorld(pose, middle, true));
@@ -106,7 +109,10 @@ export function turnLightTo(scene: Scene, index: number, pose: CameraPose, point
   return target && turnLight(scene, index, target);
 }
 
-/** Returns the width of a square or box relative to its height, and for a box also its depth. Null for round lights. */
+/**
+ * Returns the width of a rectangle or box relative to its height, and for a box also its depth.
+ * Null for round lights.
+ */
 export function aspectOf({ shape }: Light): { readonly width: number; readonly depth: number | null } | null {
   if (shape.case !== "rectangle" && shape.case !== "box") return null;
   const height = length(vector(shape.value.v));
@@ -116,7 +122,10 @@ export function aspectOf({ shape }: Light): { readonly width: number; readonly d
   };
 }
 
-/** Changes the proportions of a light and keeps its brightness on the patient. A square also keeps its area. */
+/**
+ * Changes the proportions of a light and keeps its brightness on the patient. A rectangle also
+ * keeps its area.
+ */
 export const shapeLight = (scene: Scene, index: number, to: { readonly width?: number; readonly depth?: number }) =>
   withLight(scene, index, (light) => {
     const { shape } = light;

@@ -13,7 +13,7 @@ import { longestName } from "./transfer";
  */
 const version = 1;
 const pattern = /^#view=(\d{1,4})\.([A-Za-z0-9_-]+)(?:\.([A-Za-z0-9_-]+))?$/;
-/** Maximum length of the URL that mail programs and messengers keep intact. */
+/** Maximum length of the fragment, so that mail programs and messengers keep the URL intact. */
 const mostText = 8192;
 /** Limit of the inflated scene. The server accepts 64 KB. */
 const mostBytes = 65_536;

@@ -11,7 +11,7 @@ import { heldWithin, inSlice, pixelOf, planes, type Plane, type Stack } from "./
 import { SliceStore, type Coming, type StoreParts } from "./store";
 import { bounded, firstWindow, tableOf, type Window } from "./window";
 
-/** The tool of the left button or of one finger. */
+/** The tools for the left button or one finger. */
 export const tools = ["window", "crosshair", ...measureKinds] as const;
 export type Tool = (typeof tools)[number];
 
@@ -199,7 +199,10 @@ export class Slices {
     this.window.value = bounded(window);
   }
 
-  /** Takes hold of the handle within `reach` mm of a point, if there is one and no measurement is unfinished. */
+  /**
+   * Grabs the handle within `reach` mm of a point, if there is one and no measurement is
+   * unfinished.
+   */
   hold(stack: Stack, place: Vec3, reach: number): boolean {
     const measures = this.measures.value;
     const last = measures.at(-1);

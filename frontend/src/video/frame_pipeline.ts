@@ -2,7 +2,7 @@ import type { Codec, Frame, FrameTimes } from "../protocol/messages";
 import type { FrameDecoder } from "./picture";
 
 export interface FramePipelineParts<P extends { close(): void }> {
-  /** Returns null for an unknown codec. */
+  /** Returns null for a codec that is unknown or that this browser lacks. */
   readonly makeDecoder: (codec: Codec) => FrameDecoder<P> | null;
   readonly present: (picture: P, frame: Frame) => void;
   readonly ack: (frame: Frame, times: FrameTimes, queue: number) => void;

@@ -116,7 +116,10 @@ export class SceneEditor {
     this.steps.value = moved.history;
   }
 
-  /** Applies a look but keeps the camera, the lens and the cuts. */
+  /**
+   * Applies a look but keeps the camera, the cuts, the slices, the labels and whether the table is
+   * shown.
+   */
   applyPreset(preset: Preset): void {
     if (!preset.scene) return;
     const now = this.scene.value;
@@ -171,7 +174,7 @@ export class SceneEditor {
     this.setScene(scene, null, rest);
   }
 
-  /** Resets the camera to that of the preset. */
+  /** Resets the camera to that with which the session began, or else to that of the preset. */
   resetCamera(): void {
     const scene = this.scene.value;
     const home = this.home();

@@ -142,7 +142,7 @@ function LightPlace({ session, light, index }: LightProps) {
   );
 }
 
-/** The proportions of a square or box. */
+/** The proportions of a rectangle or box. */
 function LightAspect({ session, light, index }: LightProps) {
   const text = t.settings.light;
   const aspect = lights.aspectOf(light);
