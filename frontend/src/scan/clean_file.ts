@@ -151,8 +151,8 @@ export const groupedTags: Readonly<Record<string, readonly string[]>> = {
 };
 
 /**
- * Replaces the name of a stack, which can be any text, by its length and the sum of its character codes, so that equal
- * names stay equal.
+ * Replaces the name of a stack, which can be any text, by a small hash, so that equal names stay
+ * equal.
  */
 const disguised = (text: string): string =>
   String(Array.from(text).reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7));

@@ -36,7 +36,7 @@ function groupedOf(item: DataSet): GroupedElement[] {
   });
 }
 
-/** Values in the groups override those at the top of the file. */
+/** Returns the header of a frame. Values in the groups override those at the top of the file. */
 function withGroups(header: SliceHeader, grouped: readonly GroupedElement[]): SliceHeader {
   const text = (tag: string): string | null => {
     const found = grouped.findLast((one) => one.tag === tag);

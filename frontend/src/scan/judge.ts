@@ -73,7 +73,7 @@ export function judge(all: readonly SliceHeader[]): Chosen | Unsuitable {
 const viewMarks = ["PROJECTION", "MIP", "MINIP", "ROTAT", "VRT"];
 const isView = (slice: SliceHeader) => slice.imageType.some((part) => viewMarks.some((mark) => part.includes(mark)));
 
-/** "MIXED" is decided frame by frame. */
+/** Whether a slice is an original. Files of type "MIXED" are decided frame by frame. */
 function isOriginal({ imageType: [first = "", second], isLossy }: SliceHeader): boolean {
   return (
     first === "" ||
@@ -185,7 +185,7 @@ function isTooLarge(slices: readonly SliceHeader[]): boolean {
   return slices.some((slice) => Math.max(sent(slice), unpacked.get(slice.file) ?? 0) > mostFileBytes);
 }
 
-/** Returns null if the two directions are not orthonormal. */
+/** Returns the axes of a slice, or null if its two directions are not orthonormal. */
 function axesOf(orientation: SliceHeader["orientation"]): Axes | null {
   if (!orientation) return null;
   const [a, b, c, d, e, f] = orientation;

@@ -3,7 +3,7 @@ import type { Series } from "./types";
 
 /** Maximum number of characters that the server keeps. */
 const longest = 80;
-/** Shorter parts of a name, such as "de", occur in any text. */
+/** Minimum length of a part of a name. Shorter ones, such as "de", occur in any text. */
 const shortestNamePart = 3;
 
 const wordsOf = (text: string): string[] => text.toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? [];
@@ -31,8 +31,8 @@ export function proposedTitle({ description, bodyPart, modality, patient }: Titl
 }
 
 /**
- * Returns the proposed titles of series by their keys. No two are the same, so that their cards can
- * be told apart.
+ * Returns the proposed titles of series by their keys. No two are the same unless they are empty,
+ * so that their cards can be told apart.
  */
 export function proposedTitles(
   series: readonly (Titled & Pick<Series, "key" | "seriesNumber" | "date">)[],
