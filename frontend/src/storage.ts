@@ -7,8 +7,9 @@ export interface Keeping extends Browsers {
 }
 
 /**
- * The browser's storage where it is available. Access throws where it is blocked, a full one rejects values, and some
- * browsers drop them immediately. In these cases, values last until the page closes.
+ * Returns the browser's storage where it is available. Access throws where it is blocked, a full
+ * one rejects values, and some browsers drop them immediately. In these cases, values last until
+ * the page closes.
  */
 export function keeping(browsers: () => Browsers): Keeping {
   const memory = new Map<string, string>();
@@ -44,7 +45,7 @@ export function keeping(browsers: () => Browsers): Keeping {
   };
 }
 
-/** For this browser, shared by all tabs. */
+/** Storage of this browser, shared by all tabs. */
 export const local = keeping(() => localStorage);
-/** For this tab. Survives a reload. */
+/** Storage of this tab, which survives a reload. */
 export const tab = keeping(() => sessionStorage);

@@ -22,7 +22,7 @@ class Person:
     """A user who signs up, confirms the address by the mailed link, and signs in."""
 
     def __init__(self, stack: Stack, address: str | None = None):
-        """`address`: the address of this machine that the user connects from (127.0.0.0/8)."""
+        """Connects from `address` of this machine (127.0.0.0/8), if it is given."""
         import httpx
 
         self.stack, self.address = stack, address

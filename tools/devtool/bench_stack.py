@@ -24,8 +24,8 @@ def folder(run_as: users.RunAs) -> Iterator[Path]:
 
 
 def prepared(base: Path, engine: str = "auto", only: Iterable[str] | None = None, **extra_env: str) -> Stack:
-    """Returns a stack that is not started yet. The same `base` gives a stack on the same data. `only`: run only these programs.
-    """
+    """Returns a stack that is not started yet. The same `base` gives a stack on the same data. With
+    `only`, just these programs run."""
     run_as = users.ordinary_user()
     return Stack(data=base / "data", ports=ports.random_free(), run_as=run_as, engine=engine, only=only, extra_env=extra_env,
                  layout=layout.reachable(run_as, base / "app"))

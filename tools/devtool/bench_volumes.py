@@ -30,7 +30,8 @@ def cranium() -> str | None:
 
 
 def volume_for(_scene: Path) -> str:
-    """All scene files fit the cranium. Without it, a synthetic head of the same size replaces it."""
+    """Returns the volume for a scene file. All of them fit the cranium, which a synthetic head of
+    the same size replaces if it is not installed."""
     return cranium() or "made:256"
 
 

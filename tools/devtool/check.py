@@ -145,7 +145,7 @@ def _npm(*arguments: str) -> subprocess.CompletedProcess:
     return build.npm(*arguments) if generated.returncode == 0 else generated
 
 
-#: Checks that run side by side prepare the page one after another.
+#: Held to prepare the page, because checks that run in parallel must do so one after another.
 _ONE = threading.Lock()
 
 

@@ -17,7 +17,7 @@ FOLDER = paths.REPO / ".tools" / "clamav"
 _PACKAGES = ("clamav-daemon", "libclamav12", "libmspack0")
 _LIBRARIES = FOLDER / "usr" / "lib" / "x86_64-linux-gnu"
 CLAMD = FOLDER / "usr" / "sbin" / "clamd"
-#: Split in two parts, so that no virus scanner reports this file.
+#: EICAR's test file, split in two parts, so that no virus scanner reports this file.
 EICAR = rb"X5O!P%@AP[4\PZX54(P^)7CC)7}$" + b"EICAR-STANDARD-ANTIVIRUS-TEST-FILE!$H+H*"
 
 

@@ -43,8 +43,9 @@ class _Commands:
         self.all = self.parser.add_subparsers(metavar="COMMAND", required=True)
 
     def __call__(self, name: str, calls: str, about: str, rest: bool = False, data: bool = False) -> argparse.ArgumentParser:
-        """`calls`: MODULE.FUNCTION, which gets the options by their names. `rest`: it also gets the arguments that are not options
-        here. `data`: it works on a data directory."""
+        """Adds a command. `calls` is the MODULE.FUNCTION that gets the options by their names, and
+        with `rest` also the arguments that are not options here. With `data`, it works on a data
+        directory."""
         made = self.all.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.", add_help=not rest)
         module, _, function = calls.partition(".")
         made.set_defaults(module=module, function=function, takes_rest=rest)

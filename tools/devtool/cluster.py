@@ -11,7 +11,8 @@ from .plan import POSTGRES_BIN
 from .console import CliError
 from .users import RunAs
 
-#: The programs are not superusers, so an attacker in `api` still cannot read files or run programs through Postgres.
+#: Creates the programs' role. It is not a superuser, so an attacker in `api` still cannot read
+#: files or run programs through Postgres.
 _ROLE = """
 \\getenv password DIAPHANE_PASSWORD
 SELECT format('CREATE ROLE diaphane LOGIN PASSWORD %L', :'password')

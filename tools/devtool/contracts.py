@@ -7,7 +7,7 @@ import subprocess
 
 from . import commands, paths
 
-# Runs in .tools/venv, which has the libraries.
+# This script runs in .tools/venv, which has the libraries.
 _READ_OPENAPI = """
 import json, sys, yaml
 from openapi_spec_validator import OpenAPIV31SpecValidator

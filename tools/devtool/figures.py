@@ -152,7 +152,8 @@ def _target(result: dict) -> str:
 
 
 def _number(value: float, digits: int) -> str:
-    """Formats with this many significant digits, but never fewer than the digits before the point."""
+    """Formats a number with this many significant digits, but never fewer than the digits before
+    the point."""
     if value == 0 or not math.isfinite(value):
         return f"{value:g}"
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))

@@ -10,7 +10,8 @@ from .console import warn
 
 LIMIT = 500
 LONGEST_FUNCTION = 60
-# May be longer: a list with a line or two per item, and kernels, whose parts share registers and barriers.
+# Functions that may be longer: a list with a line or two per item, and kernels, whose parts share
+# registers and barriers.
 _LONG = ("ProblemForm form_of(ProblemKind kind)", "__launch_bounds__(kCameraBlock", "__launch_bounds__(kLightBlock")
 _NOT_PRODUCT = re.compile(r"_test\.|^bench/|^tests/")
 # Assembled from parts, so that this file passes its own rule.

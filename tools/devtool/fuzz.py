@@ -15,9 +15,10 @@ from .console import CliError, say, step, warn
 
 TARGETS = ("precheck", "codestream", "nifti", "labels", "tar", "report", "volume", "viewer", "stream", "fields", "preset", "recording", "scene_xml", "panorama")
 SOURCES = paths.REPO / "tests" / "fuzz"
-#: A run that is longer or uses more memory is a finding.
+#: Limits of a run. One that is longer or uses more memory is a finding.
 SECONDS_A_RUN, MEGABYTES = 5, 1024
-#: At the depth that 8 KB of input can nest, unlimited recursion overflows a stack this small.
+#: Size of the stack, which is small enough for unlimited recursion to overflow it at the depth that
+#: 8 KB of input can nest.
 STACK_BYTES = 1 << 20
 
 
@@ -50,7 +51,8 @@ def run(target: str | None, seconds: int, minimise: bool = False, may_install: b
 
 
 def fuzz(targets: tuple[str, ...], seconds: int) -> list[Found]:
-    """Runs as many targets at the same time as there are cores. 0 seconds: only replays the kept corpora."""
+    """Runs as many targets at the same time as there are cores. With 0 seconds, only replays the
+    kept corpora."""
     folder = build.configure("fuzz")
     build.ninja(folder, [f"bin/fuzz_{name}" for name in targets])
     step(f"Fuzzing {', '.join(targets)}, {seconds} s per target" if seconds else f"Replaying the fuzz corpora of {', '.join(targets)}")

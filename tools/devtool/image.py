@@ -15,14 +15,14 @@ from .console import CliError, say, step
 
 CHART = paths.REPO / "helm" / "diaphane"
 LIMIT = 600_000_000
-#: Tools for people in a pod, besides the chart's programs, if the build contains them.
+#: Tools for users in a pod, besides the chart's programs, if the build contains them.
 _TOOLS = ("diaphane-scan", "diaphane-render", "diaphane-sample")
 _NGINX = Path("/usr/sbin/nginx")
 #: Modules that the edge's configuration loads, and Debian's packages with the Lua files that the second one needs.
 NGINX_MODULES = (Path("/usr/lib/nginx/modules/ndk_http_module.so"), Path("/usr/lib/nginx/modules/ngx_http_lua_module.so"))
 _LUA_PACKAGES = ("lua-resty-core", "lua-resty-lrucache")
 _CERTIFICATES = Path("/usr/share/ca-certificates/mozilla")
-#: Debian packages on the machine that builds the image. They contain no services.
+#: Debian packages that the machine which builds the image needs. They contain no services.
 _MAKERS = ["buildah", "debootstrap"]
 
 

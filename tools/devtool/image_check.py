@@ -16,8 +16,8 @@ USER = 10001
 _COMPILER = re.compile(r"(?:[a-z0-9_]+-linux-gnu-)?(?:gcc|g\+\+|cc|c\+\+|cpp|clang(?:\+\+)?|as|ld|ld\.(?:bfd|gold|lld))(?:-[\d.]+)?"
                        r"|cc1(?:plus)?|collect2|nvcc|ptxas|cicc|cudafe\+\+|make|gmake|ninja|cmake|go|rustc")
 
-#: Like a pod: a read-only root, private /tmp and /run/edge, no capabilities, and no way to gain any. $1: the root. "$2"...:
-#: OUTSIDE INSIDE pairs up to --.
+#: Runs a command as in a pod: a read-only root, private /tmp and /run/edge, no capabilities, and no
+#: way to gain any. $1 is the root, and "$2"... are OUTSIDE INSIDE pairs up to --.
 _POD = """set -e
 root=$1; shift
 mount --bind "$root" "$root"

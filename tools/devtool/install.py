@@ -46,7 +46,8 @@ def ensure(purpose: str, may_install: bool = True) -> None:
 
 
 def enter_venv(purpose: str) -> None:
-    """Installs the missing dependencies and runs the same command again with the libraries of .tools/venv, unless it runs there."""
+    """Installs the missing dependencies and runs the same command again with the libraries of
+    .tools/venv, unless it already uses them."""
     if Path(sys.prefix).resolve() != paths.VENV.resolve():
         ensure(purpose)
         os.execv(paths.VENV_PYTHON, [str(paths.VENV_PYTHON), str(paths.TOOLS / "devtool"), *sys.argv[1:]])

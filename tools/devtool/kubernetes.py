@@ -27,10 +27,10 @@ _KUBERNETES = ("kube-apiserver", "kube-controller-manager", "kube-scheduler", "k
 PROGRAMS = ("etcd", *_KUBERNETES, "kwok", "helm", "promtool")
 #: The resources of Prometheus' operator, against which the chart's monitoring is validated. The operator is not built.
 _MONITORING = "github.com/prometheus-operator/prometheus-operator@v0.83.0"
-#: kwok's stages for nodes and pods as shipped. The program alone does nothing.
+#: kwok's stages for nodes and pods as shipped. Without stages, kwok does nothing.
 _STAGES = ("node/fast/node-initialize", "node/heartbeat-with-lease/node-heartbeat-with-lease", "pod/fast/pod-ready", "pod/fast/pod-complete",
            "pod/fast/pod-delete")
-#: Files copied unchanged from modules: module, files.
+#: Files that are copied unchanged from modules.
 _FILES = {
     "kwok.yaml": (KWOK, [f"kustomize/stage/{name}.yaml" for name in _STAGES]),
     "podmonitors.yaml": (_MONITORING, ["example/prometheus-operator-crd/monitoring.coreos.com_podmonitors.yaml"]),
@@ -106,14 +106,16 @@ def _build(name: str) -> None:
 
 
 def version_flags() -> str:
-    """Sets the same version for all programs of the module, because kubectl and helm compare versions with the server."""
+    """Returns linker flags that set the same version for all programs of the module, because
+    kubectl and helm compare versions with the server."""
     major, minor, _ = version().split(".")
     stamps = {"gitVersion": f"v{version()}", "gitMajor": major, "gitMinor": minor}
     return " ".join(["-s -w", *(f"-X k8s.io/component-base/version.{key}={value}" for key, value in stamps.items())])
 
 
 def build_go(arguments: list[str], where: Path, **env: str) -> str:
-    # Linked statically, so that they need no libraries of the machine. The environment chooses the source of modules (GOPROXY).
+    # The programs are linked statically, so that they need no libraries of the machine. The
+    # environment chooses the source of modules (GOPROXY).
     return commands.output([go(), *arguments], f"go {' '.join(arguments)}", cwd=where, env={
         **os.environ, "HOME": str(Path.home()), "CGO_ENABLED": "0", "GOFLAGS": "-buildvcs=false", **env})
 

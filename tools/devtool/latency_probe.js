@@ -1,6 +1,7 @@
-// Put into the viewer's page before its own scripts, after page_wire.js (benches/latency.py): notes when an input happened, when what was
-// sent and received for it passed the socket, and when the canvas showed it. Reads the wire and the pixels only; the
-// page knows nothing of it. All times are the page's, in milliseconds.
+// Runs in the viewer's page before its own scripts and after page_wire.js (benches/latency.py).
+// Records when an input happened, when the messages that it caused passed the socket, and when the
+// canvas showed it. Only reads the stream and the pixels, so that the page behaves as usual. All
+// times are the page's, in milliseconds.
 (() => {
   const probe = { inputs: [], frames: [], acks: {}, codec: 0 };
   window.diaphaneProbe = probe;
@@ -68,7 +69,7 @@
     return (high ^ middle ^ low) === check ? (high << 16) | (middle << 8) | low : null;
   };
 
-  // Before each picture of the screen: what the canvas holds now is in it.
+  // Before each screen refresh, reads what the canvas is about to show.
   let open = 0; // inputs before this one have been seen
   const look = () => {
     requestAnimationFrame(look);

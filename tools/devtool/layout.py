@@ -70,7 +70,8 @@ def _mirror(source: Path, target: Path) -> None:
         if one.is_dir():
             _mirror(one, other)
         elif not _same(one, other):
-            # Written to a temporary file and renamed, so that a program running from the old file is not disturbed.
+            # The copy is written to a temporary file and renamed, so that a program running from
+            # the old file is not disturbed.
             beside = other.with_name(f".new-{name}")
             shutil.copy2(one, beside)
             os.chmod(beside, 0o755 if os.access(one, os.X_OK) else 0o644)

@@ -20,7 +20,7 @@ class Area:
     #: Prefixes of the test programs that may notice a fault.
     programs: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
-    #: For --deep: the integration tests per folder. The first folder that contains a file decides.
+    #: The integration tests per folder, for --deep. The first folder that contains a file decides.
     deep: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
 

@@ -1,5 +1,5 @@
-"""How ./diaphane mutants finds out whether tests notice a mutant: copies of the sources and their builds, and for each language what
-compiles a mutant and runs the tests that use it."""
+"""Determines for ./diaphane mutants whether tests notice a mutant: copies of the sources and their
+builds, and for each language what compiles a mutant and runs the tests that use it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SOURCES = ("api", "bench", "cmake", "common", "directory", "docs", "frontend", "
 NOT_COPIED = {"node_modules", "__pycache__", ".pytest_cache", "corpus"}
 #: Memory limit of a test program, in bytes.
 MOST_MEMORY = 8 << 30
-#: For the integration and end-to-end tests of a folder, in seconds.
+#: Time limit for the integration and end-to-end tests of a folder, in seconds.
 DEEP_LIMIT = 3600.0
 _FAILED_CASE = re.compile(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", re.MULTILINE)
 
@@ -84,7 +84,7 @@ class Tree:
                 file.write_bytes(text)
 
     def ninja(self, *words: str, keep_results: bool = False) -> subprocess.CompletedProcess:
-        # By another name, Ninja does not look for new files and does not configure again.
+        # Under another name for its file, Ninja neither looks for new files nor configures again.
         plan = self.build / "plan.ninja"
         if not plan.is_symlink():
             plan.symlink_to("build.ninja")
@@ -166,7 +166,7 @@ class Programs:
 def run_googletest(program: Path, limit: float) -> tuple[str, str, float]:
     """Returns the outcome, the failed case, and the time."""
     def run_cases(*words: str) -> tuple[int | None, str]:
-        # A mutant may allocate memory without end.
+        # Memory is limited, because a mutant may allocate it without end.
         return run_limited(["prlimit", f"--data={MOST_MEMORY}", "--core=0", str(program), "--gtest_brief=1", "--gtest_fail_fast", *words],
                            program.parent.parent, limit)
 
@@ -188,7 +188,8 @@ def failed_case(output: str) -> str:
 
 def run_limited(command: list[str], folder: Path, limit: float, env: dict[str, str] | None = None) -> tuple[int | None, str]:
     """Returns the exit code, or None if the command and its children had to be killed, and the output."""
-    # Into a file, because a pipe stays open as long as any child that the command has left behind.
+    # The output goes into a file, because a pipe stays open as long as any child that the command
+    # has left behind.
     with tempfile.TemporaryFile() as output:
         running = subprocess.Popen(command, cwd=folder, env={**os.environ, **(env or {})}, stdin=subprocess.DEVNULL, stdout=output,
                                    stderr=subprocess.STDOUT, start_new_session=True)

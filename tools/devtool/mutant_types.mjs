@@ -1,5 +1,6 @@
-// Answers, for each line {file, text} of its input, how many errors TypeScript finds in the file with that text. One process does it
-// for all mutants of a run (./diaphane mutants), because the types of the other files are the same.
+// Prints, for each line {file, text} of its input, how many errors TypeScript finds in the file
+// with that text. One process does this for all mutants of a run (./diaphane mutants), because the
+// types of the other files are the same.
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { createInterface } from "node:readline";

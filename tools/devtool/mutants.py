@@ -1,8 +1,9 @@
-"""`./diaphane mutants`: puts random small faults into the product and counts those that the tests notice.
+"""`./diaphane mutants`: puts random small faults into the product and counts those that the tests
+notice.
 
-Each job works in its own copy of the sources and of their build, below build/mutants/. The first copy stays as it is: the tests' usual
-times come from it, and what a mutant has changed in another copy is restored from it.
-"""
+Each job works in its own copy of the sources and of their build, below build/mutants/. The first
+copy is never changed: it gives the usual times of the tests, and the files that a mutant has
+changed in another copy are restored from it."""
 
 from __future__ import annotations
 
@@ -32,7 +33,8 @@ LEAST_KILLED = 0.8
 @dataclass
 class Result:
     mutant: Mutant
-    #: killed, timeout, survived; or, not counted, invalid (does not compile) or equivalent (compiles to the same program)
+    #: killed, timeout or survived. Not counted: invalid (does not compile) and equivalent (compiles
+    #: to the same program).
     outcome: str
     killer: str = ""
     seconds: float = 0.0
@@ -53,7 +55,7 @@ class Options:
     areas: tuple[str, ...] = PRODUCT
     jobs: int = 1
     json: Path | None = None
-    #: After this time, no more mutants are started.
+    #: Time after which no more mutants are started.
     end: float = math.inf
     deep: bool = False
 
@@ -70,8 +72,9 @@ class Run:
     guard: threading.Lock = field(default_factory=threading.Lock)
 
     def next(self) -> Mutant | None:
-        """Returns the next mutant while, with those that are being tested, too few would count. So the mutants that count are the
-        first of the draw, however many jobs there are and however long each takes."""
+        """Returns the next mutant, or None once those that count and those that are being tested
+        are enough. The mutants that count are therefore the first of the draw, however many jobs
+        there are and however long each takes."""
         with self.guard:
             decided = sum(not result.counts for result in self.results)
             if self.started - decided >= self.options.count or time.monotonic() > self.options.end:
@@ -121,7 +124,8 @@ def command(count: int, seed: int, areas: list[str] | None, jobs: int | None, mi
 
 
 def default_jobs() -> int:
-    """Returns fewer than the cores, because a mutant of a header compiles many files at once."""
+    """Returns three quarters of the usual jobs, because a mutant of a header compiles many files at
+    once."""
     return max(1, build.jobs() * 3 // 4)
 
 
@@ -136,7 +140,7 @@ def run(options: Options, may_install: bool = True) -> int:
     kinds: dict[str, Programs | Page | Tools] = {}
     for area in options.areas:
         kinds[area] = programs if AREAS[area].programs else Page(base, options.deep) if area == "page" else Tools()
-    # The page's end-to-end tests need the programs, too.
+    # The page's end-to-end tests also need the programs.
     for kind in {programs, *kinds.values()} if options.deep else set(kinds.values()):
         kind.prepare()
     drawn = lines(options.areas, base.root)

@@ -1,9 +1,10 @@
-"""Small faults that ./diaphane mutants puts into source files, and which of them it draws.
+"""Small faults that ./diaphane mutants puts into source files, and the selection of those that it
+tests.
 
-The operators are the usual ones of mutation testing: relational, logical and arithmetic operators, negations, conditions,
-constants, returned values and deleted statements. Existing tools have more, but universalmutator's rules do not know a template from
-a comparison, so that few of its mutants of C++ compile, and Stryker and mutmut know one language each.
-"""
+The operators are the usual ones of mutation testing: relational, logical and arithmetic
+operators, negations, conditions, constants, returned values and deleted statements. Existing
+tools have more, but universalmutator's rules do not distinguish a template from a comparison, so
+that few of its mutants of C++ compile, and Stryker and mutmut support one language each."""
 
 from __future__ import annotations
 
@@ -58,7 +59,7 @@ class Mutant:
 
 
 def without_words(text: str, python: bool) -> str:
-    """Replaces comments and strings by as many spaces, so that places stay the same."""
+    """Replaces comments and strings by as many spaces, so that positions stay the same."""
     return (_HIDDEN_PYTHON if python else _HIDDEN).sub(lambda match: re.sub(r"[^\n]", " ", match.group()), text)
 
 
@@ -72,7 +73,7 @@ def of_line(line: str, code: str, suffix: str) -> list[str]:
         found.append(line[:start] + new + line[end:])
 
     for match in _OPERATOR.finditer(code):
-        if suffix in SCRIPTS and match.group() in "&|":     # mostly types, which are gone when a test runs
+        if suffix in SCRIPTS and match.group() in "&|":     # mostly types, which do not exist at run time
             continue
         for new in _RELATIONS[match.group()]:
             put(*match.span(), new)
@@ -99,7 +100,9 @@ def of_line(line: str, code: str, suffix: str) -> list[str]:
 
 
 def _other_numbers(value: int) -> list[int]:
-    """Counts and indices are off by one. Of a large number, which is mostly a size or a duration, nobody would notice that."""
+    """Returns other values of a constant. Small ones, such as counts and indices, are off by one.
+    Large ones, mostly sizes or durations, are doubled and halved, because no test would notice a
+    difference of one."""
     if value > 10:
         return [2 * value, value // 2]
     return [value + 1, value - 1] if value > 0 else [1]
@@ -125,7 +128,8 @@ def of_file(area: str, file: str, text: str) -> list[list[Mutant]]:
 
 
 def draw(lines: list[list[Mutant]], seed: int) -> Iterator[Mutant]:
-    """Draws a line, each equally often, and one of its mutants, and never one twice."""
+    """Yields the mutants in random order: draws a line, each with the same probability, and one of
+    its mutants, none of them twice."""
     rng, left = random.Random(seed), [list(mutants) for mutants in lines]
     while left:
         at = rng.randrange(len(left))

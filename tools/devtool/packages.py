@@ -15,7 +15,7 @@ from . import commands, paths
 from .progress import AptProgress
 from .console import CliError, progress, say, step
 
-#: Services that Debian would start, also at each boot, although Diaphane runs its own.
+#: Services that Debian would start, also at each boot, although Diaphane starts its own.
 SERVICES = {"postgresql": "postgresql", "redis-server": "redis-server", "nginx-light": "nginx"}
 _POLICY = Path("/usr/sbin/policy-rc.d")
 
@@ -51,7 +51,8 @@ def install(names: list[str], afterwards: str = "") -> None:
 def unpack(names: Sequence[str], into: Path) -> None:
     """Downloads packages and unpacks them into a folder. They are not installed, so that the machine gets no new services."""
     with tempfile.TemporaryDirectory(prefix="diaphane-packages-") as folder:
-        # As root, apt-get would download as a user who cannot write to this folder.
+        # Without this option, apt-get as root would download as a user who cannot write to this
+        # folder.
         command = ["apt-get", "-qq", "-o", "APT::Sandbox::User=", "download", *names]
         if commands.run(command, cwd=folder).returncode != 0:
             _apt("update")      # the package lists may be older than the mirror
@@ -75,8 +76,9 @@ def _as_root() -> list[str]:
 
 
 def _apt(*arguments: str, check: bool = True, afterwards: str = "") -> int:
-    # sudo closes all files but the standard ones, and apt-get does not pass its status file on to dpkg, whose scripts need
-    # standard output. Hence a shell makes the status file, after sudo, from a copy of standard output.
+    # sudo closes all files but the standard ones, and apt-get does not pass its status file on to
+    # dpkg, whose scripts need standard output. Hence a shell, started by sudo, creates the status
+    # file as a copy of standard output.
     command = [*_as_root(), "sh", "-c", 'exec "$@" 3>&1', "sh", "env", "DEBIAN_FRONTEND=noninteractive", "LC_ALL=C.UTF-8",
                "apt-get", "-qq", "-y", "-o", "Dpkg::Use-Pty=0", "-o", "APT::Status-Fd=3", *arguments]
     what = "Updating Debian's package lists" if arguments[0] == "update" else "Installing Debian packages"

@@ -12,14 +12,14 @@ from .console import CliError
 
 ROUTES = paths.FRONTEND / "src" / "views" / "routes.ts"
 SECRET = "0123456789abcdef" * 4
-#: Parts of pages whose address has more than one word.
+#: The second path segments of pages that have some.
 PARTS = {"admin": ("users", "audit", "fleet")}
 NOBODY, PERSON = "nobody", "person"
 
 
 @dataclass(frozen=True)
 class Place:
-    """An address, and who views it."""
+    """A page's address, and the kind of visitor."""
 
     name: str
     path: str
@@ -27,7 +27,7 @@ class Place:
 
 
 def first_words() -> list[str]:
-    """Returns the words of the router's table, in order."""
+    """Returns the first path segments of the router's table, in order."""
     table = re.search(r"^const pages\b.*?\{\n(.*?)^\};", ROUTES.read_text(encoding="utf-8"), re.M | re.S)
     if not table:
         raise CliError(f"{ROUTES}: cannot find the table of pages")
@@ -40,7 +40,7 @@ def places(data_set: str) -> Iterator[Place]:
     for who in (NOBODY, PERSON):
         for word in first_words():
             if word == "" and who == PERSON:
-                continue        # leads to /scans
+                continue        # the home page redirects signed-in users to /scans
             yield Place(f"{who}-{word or 'home'}", f"/{word}", who)
             for part in PARTS.get(word, ()):
                 yield Place(f"{who}-{word}-{part}", f"/{word}/{part}", who)

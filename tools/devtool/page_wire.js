@@ -1,5 +1,6 @@
-// As much of Protobuf as looking at a page's stream needs: calls `field(number, value)` for each field of a message, with a
-// number for a varint and the bytes for what has a length (a part of `bytes`, not a copy). Others are left out.
+// A minimal Protobuf reader for the page's stream: calls `field(number, value)` for each field of a
+// message, with a number for a varint and the bytes of a length-delimited field (a part of `bytes`,
+// not a copy). Skips other fields.
 window.eachProtobufField = (bytes, field) => {
   let at = 0;
   const varint = () => {

@@ -9,12 +9,13 @@ from typing import Iterable
 from . import build_stamp
 
 FOLDER = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "diaphane" / "checks"
-#: Entries are empty files. There is one for each version of a source file.
+#: Maximum number of entries. They are empty files, one for each version of a source file.
 _MOST = 20_000
 
 
 def entry(files: Iterable[Path], *words: str) -> Path:
-    """`words`: the check, the versions of its tools and their settings."""
+    """Returns the entry of files. `words` are the check, the versions of its tools and their
+    settings."""
     return FOLDER / build_stamp.digest(files, *words)
 
 

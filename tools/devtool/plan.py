@@ -72,8 +72,8 @@ class Settings:
         return f"postgresql://diaphane:{self.postgres_password}@127.0.0.1:{self.ports['postgres']}/diaphane"
 
     def socket(self, name: str) -> Path:
-        """Returns the socket of Redis or renderd. It lies in a folder of mode 0700, so that other users of the machine reach
-        neither."""
+        """Returns the socket of Redis or renderd. Its folder has mode 0700, so that other users of
+        the machine cannot connect."""
         return (self.sockets or self.data / "run") / f"{name}.sock"
 
     @property
@@ -163,7 +163,8 @@ def _ingestd(s: Settings) -> Program:
                scratch_dir=s.data / "scratch", admin_port=s.ports["ingestd-admin"])
     return Program(
         name="ingestd", argv=(str(binary),), port=s.ports["ingestd-admin"], tier=1, requires=(binary,), nice=10,
-        # Leaves cores free for work that a user waits for, like the renderer.
+        # Uses only some cores, so that others are free for work that a user waits for, like the
+        # renderer.
         cores=int(env.get("DIAPHANE_THREADS") or 0), ready=Ready("http", s.ports["ingestd-admin"]), env=env)
 
 

@@ -14,7 +14,7 @@ from .processes import Identity
 
 
 def first_cores(count: int, usable: Iterable[int] | None = None) -> list[int]:
-    """Returns the numbers of the first `count` cores that this process may use. 0: of all."""
+    """Returns the numbers of the first `count` cores of this process, or of all with 0."""
     cores = sorted(os.sched_getaffinity(0) if usable is None else usable)
     return cores[:count] if count else cores
 
@@ -41,8 +41,9 @@ class GroupPriorities:
         self.done_: set[tuple[Identity, int]] = set()
 
     def apply(self, programs: Iterable[tuple[int, int]]) -> None:
-        """Gives the session of each process, and of its descendants, its nice value. `programs`: pairs of pid and nice value. Linux
-        accepts only one change per 0.1 s from ordinary users, so a refused one is left to the next call."""
+        """Gives the session of each process, and of its descendants, its nice value. `programs`
+        contains pairs of pid and nice value. Linux accepts only one change per 0.1 s from
+        ordinary users, so a refused one is left to the next call."""
         found = set()
         for leader, nice in programs:
             for pid in family(leader, self.proc_):
@@ -55,7 +56,8 @@ class GroupPriorities:
         self.done_ = found
 
     def _set(self, pid: int, nice: int) -> bool:
-        """Returns False if the change has to be repeated."""
+        """Sets the nice value of a process's session. Returns False if the change has to be
+        repeated."""
         try:
             (self.proc_ / str(pid) / "autogroup").write_text(str(nice), encoding="ascii")
         except BlockingIOError:

@@ -21,7 +21,7 @@ class Identity:
         return None if start is None else Identity(pid, int(start))
 
     def alive(self) -> bool:
-        """False for a zombie, which runs nothing and holds no port."""
+        """Whether the process runs. A zombie, which runs nothing and holds no port, does not."""
         return _stat(self.pid, 19) == str(self.start) and _stat(self.pid, 0) not in (None, "Z", "X")
 
     def send(self, number: int) -> None:

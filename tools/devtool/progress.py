@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 #: and are corrected by the steps that finish.
 _STEP_SECONDS = (("Linking", 0.2), ("Generating", 0.1), ("kernel_", 23.0), ("connection.cpp", 23.0), ("admin_server.cpp", 15.0),
                  ("/Unity/", 4.2), (".pb.cc", 4.0), ("Building", 2.5), ("", 0.1))
-#: How many seconds of finished steps count as much as the first estimate of the machine's speed.
+#: Seconds of finished steps that count as much as the first estimate of the machine's speed.
 _TRUST_SECONDS = 15.0
 #: Core seconds of compiling the programs that `./diaphane up` starts.
 PROGRAMS_CORE_SECONDS = 350.0
@@ -83,7 +83,8 @@ class AptProgress:
     began: float = 0.0
 
     def read(self, line: str, now: float) -> bool:
-        """Takes a line of output at a time in seconds. Returns false if the line does not contain a status."""
+        """Reads a line of output that arrived at `now`, in seconds. Returns false if it does not
+        contain a status."""
         kind, *words = line.split(":", 3)
         if kind not in _APT_PHASES or len(words) < 3 or not re.fullmatch(r"\d+(\.\d+)?", words[1]):
             return False

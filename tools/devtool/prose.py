@@ -53,7 +53,7 @@ def check() -> list[str]:
 # Documents
 
 def wide_lines(documents: dict[str, str], rules: dict) -> list[str]:
-    """Lines over the limit, except those with links, which cannot be broken."""
+    """Returns lines over the limit, except those with links, which cannot be broken."""
     return [f"{name}:{number}: {len(line)} columns, but at most {rules['columns']} are allowed"
             for name, text in sorted(documents.items()) for number, line in enumerate(text.splitlines(), 1)
             if len(line) > rules["columns"] and not _URL.search(line)]
@@ -149,7 +149,7 @@ def commit_subjects(rules: dict) -> list[str]:
 
 
 def long_subjects(listed: list[str], columns: int) -> list[str]:
-    """`listed`: hash and subject of each commit."""
+    """Returns the commits with too long a subject. `listed` has hashes and subjects."""
     found = []
     for line in listed:
         commit, _, subject = line.partition(" ")

@@ -8,7 +8,7 @@ import subprocess
 from . import build, install, paths
 from .console import CliError, step
 
-#: Where the programs and their settings under ThreadSanitizer are listed.
+#: The file that lists the programs and their settings under ThreadSanitizer.
 SETTINGS = paths.REPO / "cmake" / "Diaphane.cmake"
 
 

@@ -105,7 +105,8 @@ def join(link: str, name: str) -> tuple[str, str, str]:
 
 
 def over_link(document: dict, link: str, patience_s: float = 600) -> int:
-    """Plays it in a live session once it has the presenter's role. Returns how many scenes were sent."""
+    """Plays the recording in a live session once this guest has the presenter's role. Returns the
+    number of sent scenes."""
     from google.protobuf import json_format
     from websockets.sync.client import connect
 
@@ -124,7 +125,7 @@ def over_link(document: dict, link: str, patience_s: float = 600) -> int:
         socket.send(hello.SerializeToString())
 
         def hear(until: float) -> bool:
-            """Acknowledges messages until then. Returns whether this guest presents."""
+            """Acknowledges messages until a time. Returns whether this guest presents."""
             nonlocal presents
             while (left := until - time.monotonic()) > 0:
                 try:

@@ -11,7 +11,8 @@ from .console import CliError
 
 
 def run(name: str, arguments: list[str], wait: bool = False) -> int:
-    """Becomes the program, or waits for its end, because something must be cleaned up afterwards."""
+    """Replaces this process by the program, or with `wait` runs it, so that the caller can clean up
+    afterwards."""
     console.to_stderr()
     binary = paths.build_dir() / "bin" / name
     if not binary.exists() or os.environ.get("DIAPHANE_BUILD") is None:
@@ -36,7 +37,8 @@ def _with_archives(name: str, arguments: list[str]) -> int:
         return run(name, unpacked, wait=unpacked != arguments)
 
 
-#: With one of these options, the sample tool writes files or uploads to a given server, so no instance needs to run here.
+#: Options with which the sample tool writes files or uploads to a given server, so that no instance
+#: needs to run here.
 _OWN_WAY = ("--write-dicom", "--write-bundle", "--mapped-mha", "--mapped-volume", "--upload", "--help", "-h")
 
 

@@ -11,7 +11,7 @@ import time
 from .bench_client import Person
 from .stack import Stack
 
-#: Bone is above the first value and the brain between the others, in HU.
+#: Limits in HU: bone is above the first value, and the brain between the others.
 BONE, BRAIN = 250, (0, 90)
 BRAINCASE, FACE, INSIDE = 1, 2, 3
 
@@ -37,7 +37,7 @@ def _labels(values):
     sides = [np.maximum.accumulate(bone, axis) for axis in (0, 1)]
     sides += [np.flip(np.maximum.accumulate(np.flip(bone, axis), axis), axis) for axis in (0, 1, 2)]
     inside = np.logical_and.reduce(sides) & (values > BRAIN[0]) & (values < BRAIN[1]) & (z > size_z // 3)
-    # The surface of a look lies between two voxels. Both belong to the bone, so that it has one colour.
+    # The surface of a look lies between two voxels. Both become bone, so that it has one colour.
     bone = np.logical_or.reduce([bone, *(np.roll(bone, step, axis) for axis in range(3) for step in (-1, 1))])
     face = bone & (y < size_y // 2) & (z < size_z // 2)
     return np.select([face, bone, inside], [FACE, BRAINCASE, INSIDE]).astype(np.uint8)
@@ -56,7 +56,7 @@ def _nifti(stack: Stack, scan: str) -> bytes:
     struct.pack_into("<4f", header, 76, 1, *volume["spacing"])
     struct.pack_into("<3f", header, 108, 352, 1, 0)
     struct.pack_into("<h", header, 254, 1)
-    # In the frame of NIfTI (right, front, head), row by row.
+    # The affine matrix in NIfTI's axes (right, front, head), row by row.
     (dx, dy, dz), (left, back, head) = volume["spacing"], volume["origin"]
     struct.pack_into("<12f", header, 280, -dx, 0, 0, -left, 0, -dy, 0, -back, 0, 0, dz, head)
     header[344:347] = b"n+1"
@@ -64,7 +64,7 @@ def _nifti(stack: Stack, scan: str) -> bytes:
 
 
 def _bundle(file: bytes) -> bytes:
-    """The archive that a page uploads."""
+    """Returns the archive that a page uploads."""
     archive = io.BytesIO()
     with tarfile.open(fileobj=archive, mode="w", format=tarfile.USTAR_FORMAT) as tar:
         entry = tarfile.TarInfo("00001.dcm")

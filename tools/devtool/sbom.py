@@ -22,7 +22,8 @@ _NAMESPACE = uuid.UUID("9c1f8b52-6c0e-4a4f-9a5b-2f6d3e8a7c41")
 
 @dataclass(frozen=True)
 class Part:
-    """`kind`: deb, npm, pypi or golang. `needed`: needed at run time, not only for building and testing."""
+    """A component. `kind` is deb, npm, pypi or golang. `needed` means at run time, not only for
+    building and testing."""
 
     kind: str
     name: str
@@ -48,7 +49,8 @@ class Program:
 
 
 def document(version: str, when: str, programs: Sequence[Program], parts: Iterable[Part]) -> dict:
-    """Returns the same document for the same parts. `when`: RFC 3339."""
+    """Returns the document, which is the same for the same parts. `when` is in the format of RFC
+    3339."""
     merged: dict[str, Part] = {}
     for part in parts:
         known = merged.get(part.url)

@@ -1,5 +1,6 @@
-// Put into the viewer's page before its own scripts (benches/frame_rate.py): leads its stream to another server, and notes before
-// each picture of the screen which frame of the stream was drawn last. A VideoFrame's timestamp is its frame's number.
+// Runs in the viewer's page before its own scripts (benches/frame_rate.py). Redirects its stream to
+// another server, and records before each screen refresh which frame of the stream was drawn last.
+// The timestamp of a VideoFrame is the number of its frame.
 (() => {
   const probe = { screen: [], shown: [] };
   window.diaphaneShown = probe;

@@ -182,7 +182,8 @@ class Stack:
         entry = self.running_[name]
         while True:
             identity = entry.identity
-            # Checked before and after, because an answer from a process that was just killed says nothing about its successor.
+            # The process is compared before and after, because a response from one that was just
+            # killed says nothing about its successor.
             if identity and identity.alive() and is_ready(entry.program.ready) and entry.identity == identity:
                 entry.ever_ready = True
                 return
@@ -254,7 +255,8 @@ class Stack:
         handle = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
         self.run_as.own(log)
         try:
-            # A separate group, so that Ctrl-C in the terminal reaches only the supervisor, which stops everything in order.
+            # The program gets a group of its own, so that Ctrl-C in the terminal reaches only the
+            # supervisor, which stops everything in order.
             entry.process = subprocess.Popen(
                 [*_on_cores(entry.program.cores), *_with_priority(self._nice(entry)), *WITHOUT_CORE_FILES, *entry.program.argv],
                 env=dict(entry.program.env), cwd=self.data, stdin=subprocess.DEVNULL, stdout=handle, stderr=handle, start_new_session=True, umask=0o077, **self.run_as.popen())
@@ -316,7 +318,7 @@ class Stack:
         raise CliError(f"{name} did not become ready in time{self._last_output(name)}")
 
     def _stop_tier(self, entries: list[Running]) -> None:
-        # Copied, because the watcher drops a process as soon as it has ended.
+        # The list is copied, because the watcher drops a process as soon as it has ended.
         alive = [(e, e.process, e.identity) for e in entries if e.process and e.identity]
         for entry, _, identity in alive:
             identity.send(entry.program.stop_signal)
@@ -328,7 +330,7 @@ class Stack:
                 self.on_event(f"{entry.program.name} did not stop in time. Killing it.")
                 identity.send(signal.SIGKILL)
                 process.wait(1)
-            # Children left by a program that crashed.
+            # Ends children that a crashed program left behind.
             kill_group(identity)
             entry.identity = None
 

@@ -42,7 +42,8 @@ def _engine(entry: dict) -> dict:
 
 
 def show(data: Path, as_json: bool) -> int:
-    """Returns 0 if everything is ready, 3 if nothing runs (as in LSB), otherwise 1."""
+    """Prints the status. Returns 0 if everything is ready, 3 if nothing runs (as in LSB), otherwise
+    1."""
     now = status(data)
     all_ready = all(program["ready"] for program in now["programs"])
     if as_json:

@@ -45,15 +45,16 @@ class Suite:
     name: str
     kind: str
     run: Callable[[Path], Count]   # receives a folder for its report
-    #: How many cores it keeps busy. Runs side by side with others while there are enough for all.
+    #: Number of cores that the suite keeps busy. It runs in parallel with others while there are
+    #: enough for all.
     cores: float = math.inf
 
 
 def suites(nightly: bool = False) -> list[Suite]:
-    """Returns the suites in the order in which they start: those that run side by side from slow to fast, then those that need the
-    machine for themselves."""
+    """Returns the suites in the order in which they start: those that run in parallel from slow to
+    fast, then those that need the machine for themselves."""
     lane = () if nightly else ("-m", "not nightly")
-    # Benches, fuzzing and attacks at length have the machine for themselves.
+    # The nightly benches, long fuzzing and attacks have the machine for themselves.
     beside = math.inf if nightly else 1.0
     return [
         Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, workers=1 if nightly else _workers()), cores=1),
@@ -62,7 +63,7 @@ def suites(nightly: bool = False) -> list[Suite]:
         Suite("web page", "unit", _vitest, cores=beside),
         Suite("fuzzing", "unit", lambda reports: _fuzz(NIGHTLY_FUZZ_SECONDS if nightly else 0), cores=beside),
         Suite("tools", "unit", lambda reports: _pytest("devtool", reports), cores=beside),
-        # Takes files from the first as soon as a core is free for it.
+        # Takes files from the first run as soon as a core is free.
         Suite("end-to-end (second run)", "e2e", lambda reports: _end_to_end("second", reports, *lane), cores=1),
         Suite("Kubernetes (subset)", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
         Suite("Kubernetes", "cluster", _cluster),
@@ -73,9 +74,10 @@ def suites(nightly: bool = False) -> list[Suite]:
     ]
 
 
-#: Run only on request, because they need a device, or minutes to build Kubernetes or everything else once more.
+#: Suites that run only on request, because they need a device, or minutes to build Kubernetes or
+#: everything else once more.
 BY_NAME = ("gpu", "cluster", "node", "sanitizers", "mutants")
-#: Those of them that the nightly lane runs if the machine can.
+#: Those of these suites that the nightly lane runs if the machine can.
 NIGHTLY = ("cluster", "node", "sanitizers", "mutants")
 #: Cluster tests with the mark `chosen` run with all other tests if the control plane is already built.
 CHOSEN = "chosen"
@@ -87,7 +89,7 @@ WAITING = ("test_faults.py", "test_operator.py", "test_silence.py", "test_upgrad
 
 
 def is_run(suite: Suite, kind: str | None, plane: bool, nightly: bool = False) -> bool:
-    """`plane`: whether Kubernetes' control plane is built."""
+    """Whether a suite runs. `plane` tells whether Kubernetes' control plane is built."""
     if suite.kind == CHOSEN:
         return kind is None and plane and not nightly
     if kind is None:
@@ -165,12 +167,13 @@ def run(kind: str | None, may_install: bool = True, with_checks: bool = False, n
 
 
 def _prepare(kind: str | None, may_install: bool) -> None:
-    # Otherwise every test would be skipped, which looks like success.
+    # Without a device or root, every test would be skipped, which looks like success.
     if kind == "gpu" and (why := gpu.absence()):
         raise CliError(f"cannot run the GPU tests: {why}")
     if kind == "node" and (why := whole_node.absence()):
         raise CliError(f"cannot run a Kubernetes node on this machine: {why}")
-    # On a machine with a GPU and nothing else, the renderer's tests come with it (DIAPHANE_BUILD).
+    # On a machine that has a GPU but no build tools, the renderer's tests come with it
+    # (DIAPHANE_BUILD).
     if kind != "gpu" or "DIAPHANE_BUILD" not in os.environ:
         install.ensure("test", may_install)
     if kind in (None, "integration"):
@@ -178,7 +181,8 @@ def _prepare(kind: str | None, may_install: bool) -> None:
 
 
 def _build(kind: str | None, cluster: bool = False, node: bool = False) -> None:
-    """`cluster`, `node`: of the nightly lane, also what these suites need."""
+    """Builds what the suites of `kind` need. `cluster` and `node` add what these suites of the
+    nightly lane need."""
     if cluster or kind in ("cluster", "node"):
         kubernetes.ensure()
     if kind == "node" or (cluster and node):
@@ -211,7 +215,8 @@ def slowest(reports: Path, most: int = 10) -> list[tuple[float, str]]:
 
 
 def _say_failures(reports: Path) -> None:
-    """Repeats the names of the failed tests and why they failed, because logs of programs may have pushed them far up."""
+    """Repeats the names of the failed tests and the reasons, because logs of programs may have
+    scrolled them out of view."""
     found = failures(reports)
     if found:
         say("Failed tests:")
@@ -256,7 +261,7 @@ def _testcases(report: Path) -> list[ElementTree.Element]:
 # GoogleTest
 
 def _ctest(where: list[object], reports: Path, nightly: bool = False) -> Count:
-    """`where`: options of ctest that choose the build and the tests."""
+    """Runs ctest. `where` contains options that choose the build and the tests."""
     step("Running the C++ tests")
     programs = reports / "programs.xml"
     done = commands.run(["ctest", *where, "--output-on-failure", "--no-tests=error", "-j", build.jobs(), "--output-junit", programs], cwd=paths.REPO,
@@ -277,12 +282,13 @@ def keep_crashed(programs: Path) -> None:
 
 # libFuzzer
 
-#: Per target in the nightly lane, where thirteen on two cores take seven minutes. The gate replays the kept corpus.
+#: Seconds per target in the nightly lane, where thirteen on two cores take seven minutes. The gate
+#: replays the kept corpus.
 NIGHTLY_FUZZ_SECONDS = 60
 
 
 def _fuzz(seconds: int) -> Count:
-    """0 seconds: replays the kept corpus."""
+    """Runs all fuzz targets. With 0 seconds, replays the kept corpus."""
     found = fuzz.fuzz(fuzz.TARGETS, seconds)
     for one in found:
         if not one.ok:
@@ -291,19 +297,21 @@ def _fuzz(seconds: int) -> Count:
 
 
 def _sanitizers(reports: Path) -> Count:
-    """The C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer, and the multi-threaded ones under ThreadSanitizer."""
+    """Runs the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer, and the
+    multi-threaded ones under ThreadSanitizer."""
     build.ninja(build.configure("asan"), ["all"])
     count = _ctest(["--preset", "asan"], _fresh(reports / "asan"))
     raced = races.run([], may_install=False) == 0
     return count + Count(passed=int(raced), failed=int(not raced))
 
 
-#: After this time, the nightly lane starts no more mutants.
+#: Time after which the nightly lane starts no more mutants.
 NIGHTLY_MUTANT_SECONDS = 2.5 * 3600
 
 
 def _mutants(_: Path) -> Count:
-    """Another draw each day. The outcomes are kept in build/reports/mutants.json."""
+    """Tests mutants, with another draw each day. The outcomes are kept in
+    build/reports/mutants.json."""
     options = mutants.Options(seed=date.today().toordinal(), jobs=mutants.default_jobs(), json=paths.REPO / "build" / "reports" / "mutants.json",
                               end=time.monotonic() + NIGHTLY_MUTANT_SECONDS, deep=True)
     enough = mutants.run(options, may_install=False) == 0
@@ -324,7 +332,8 @@ def _vitest(reports: Path) -> Count:
 # pytest
 
 def _whole_node(reports: Path) -> Count:
-    """Built outside the namespaces, where there is a network, and run inside, where there is none."""
+    """Tests a complete node. Everything is built outside the namespaces, where there is a network,
+    and runs inside, where there is none."""
     archive = whole_node.image_archive()
     with whole_node.place() as place:
         return _pytest("cluster/test_whole_node.py", reports, within=whole_node.NAMESPACES, DIAPHANE_WHOLE_NODE=str(place), DIAPHANE_IMAGE=str(archive))
@@ -345,7 +354,8 @@ def _end_to_end(which: str, reports: Path, *lane: str) -> Count:
 
 def _pytest(folder: str, reports: Path, *selection: object, only: tuple[str, ...] = (), within: tuple[str, ...] = (), workers: int = 1,
             report: str = "", **more: str) -> Count:
-    """Runs a folder of tests, one file of it, or the tests in `only`, with this many workers side by side."""
+    """Runs a folder of tests, one file of it, or the tests in `only`, with this many workers in
+    parallel."""
     tests = paths.REPO / "tests"
     report = reports / f"{report or Path(folder).stem}{'-some' if only else ''}.xml"
     step(f"Running tests/{folder}{': ' * bool(only)}{', '.join(only)}")
@@ -359,5 +369,6 @@ def _pytest(folder: str, reports: Path, *selection: object, only: tuple[str, ...
 
 
 def _workers() -> int:
-    """Returns how many processes share the tests of a suite that waits half of the time. Each has programs of its own."""
+    """Returns how many processes share the tests of a suite that waits half of the time. Each
+    starts its own programs."""
     return min(build.jobs(), 4) + 1

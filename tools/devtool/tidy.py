@@ -1,8 +1,8 @@
 """Runs clang-tidy on the project's C++ files.
 
-Most of its time goes into headers. So some files of a target are first read together, as one text; where that has findings, each file
-is read alone. ccache remembers what had no findings, for all checkouts of the user: for it, tidy_compiler.sh is a compiler.
-"""
+Most of its time goes into headers. Some files of a target are therefore first checked together,
+as one text. If that has findings, each file is checked alone. ccache remembers which files had
+no findings, for all checkouts of the user, and takes tidy_compiler.sh for a compiler."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from pathlib import Path
 from . import build, build_stamp, commands, paths
 
 _COMPILER = Path(__file__).with_name("tidy_compiler.sh")
-#: How many files are read together at most. With more, a change of one would cost more time, and one process would still run when the
-#: others have ended.
+#: Maximum number of files that are checked together. With more, a change of one would take longer
+#: to check, and the last process would run long after the others have ended.
 _TOGETHER = 8
 
-#: What only GCC understands, or what makes no difference to clang-tidy.
+#: Flags that only GCC understands, or that make no difference to clang-tidy.
 _NOT_FOR_CLANG = ("-Winvalid-pch", "-fpch-preprocess", "-Wno-subobject-linkage", "--param=ggc-")
 #: Sources and headers that other programs generate, as Ninja names them.
 _GENERATED = (".h", ".cc", ".cpp")
@@ -47,11 +47,11 @@ class Group:
 
 
 def groups(compile_commands: dict[Path, list[str]]) -> list[Group]:
-    """Returns the files that can be read together, the largest groups first."""
+    """Returns the files that can be checked together, the largest groups first."""
     alike: dict[tuple[str, ...], list[Path]] = {}
     for source, arguments in compile_commands.items():
         at = arguments.index("-o")
-        # The folder of a target's objects tells the targets apart.
+        # The folder of the object file identifies the target.
         target = arguments[at + 1].partition(".dir/")[0].replace("/", "-")
         flags = [word for word in [*arguments[1:at], *arguments[at + 2:]] if word not in ("-c", str(source))]
         alike.setdefault((target, *flags), []).append(source)
@@ -77,7 +77,8 @@ def findings(group: Group, folder: Path) -> list[str]:
     together = folder / "tidy" / f"{group.name}.cpp"
     together.parent.mkdir(exist_ok=True)
     together.write_text(joined_text([source.read_text(encoding="utf-8") for source in group.sources]), encoding="utf-8")
-    # Of files that cannot be read together, such as two that define the same name, ccache knows each alone.
+    # ccache may know the results of the single files only, if they cannot be checked together, for
+    # example because two of them define the same name.
     if not _tidy(together, group, folder, only_cached=True) or all(not _tidy(source, group, folder, only_cached=True) for source in group.sources):
         return []
     if not _tidy(together, group, folder):
@@ -86,7 +87,8 @@ def findings(group: Group, folder: Path) -> list[str]:
 
 
 def _tidy(source: Path, group: Group, folder: Path, only_cached: bool = False) -> str:
-    """Returns clang-tidy's output if it finds anything. `only_cached`: or a text if ccache does not know the result."""
+    """Returns clang-tidy's output if it has findings. With `only_cached`, also returns a text if
+    ccache does not know the result."""
     result = f"tidy/{group.name}-{source.stem}"
     command = [*group.flags, "-MD", "-MF", f"{result}.d", "-o", f"{result}.o", "-c", str(source)]
     root = os.path.relpath(paths.REPO, folder)
@@ -135,7 +137,7 @@ def compiled_alone(file: str, command: list[str], unity: str | None = None) -> d
         return {Path(file): command}
     alone = {}
     for name in re.findall(r'^#include "(.*)"$', unity, re.MULTILINE):
-        if name.startswith(".."):    # generated, and so named from the unity file's folder
+        if name.startswith(".."):    # generated files are named relative to the unity file's folder
             continue
         source = paths.REPO / name
         target = command[command.index("-o") + 1]

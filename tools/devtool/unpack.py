@@ -15,11 +15,11 @@ from typing import IO, Iterator
 
 from .console import CliError
 
-#: The most that one archive may unpack to, in files and bytes, and how deep archives may lie in archives.
+#: Limits of one archive: unpacked files and bytes, and the nesting of archives.
 MOST_FILES, MOST_BYTES, MOST_NESTED = 100_000, 8 << 30, 4
 #: First entries of programs and documents that happen to be ZIP archives.
 NO_SCANS = ("META-INF/", "[Content_Types].xml", "_rels/", "mimetype", "AndroidManifest.xml")
-#: How files of formats begin that Python cannot read.
+#: First bytes of archive formats that Python cannot read.
 UNKNOWN = (b"Rar!\x1a\x07", b"7z\xbc\xaf\x27\x1c", b"\x28\xb5\x2f\xfd")
 
 DAMAGED = (zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError, OSError)
@@ -106,7 +106,7 @@ def _zipped(archive: Path, named: Path) -> Iterator[IO[bytes]]:
 
 
 class _Entry(tarfile.TarInfo):
-    """The library takes a damaged header for the end of the archive."""
+    """Reports a damaged header, which the library would take for the end of the archive."""
 
     @classmethod
     def fromtarfile(cls, archive: tarfile.TarFile) -> tarfile.TarInfo:

@@ -43,7 +43,8 @@ class RunAs:
         return RunAs()
 
     def can_read(self, *paths: Path) -> bool:
-        """Whether this user can read all of the paths (not in a clone below /root or in a mktemp directory)."""
+        """Whether this user can read all of the paths. They may be in a clone below /root or in a
+        mktemp directory."""
         return self.uid < 0 or self._try('for path; do [ -r "$path" ] || exit 1; done', *paths)
 
     def can_write(self, folder: Path) -> bool:
@@ -76,7 +77,8 @@ def current() -> str:
 
 
 def owner_of(path: Path) -> RunAs:
-    """For root, returns the user who owns the directory. Returns an empty RunAs for other users, and for directories of root."""
+    """Returns the user who owns the directory, if root runs this. Returns an empty RunAs for other
+    users, and for directories of root."""
     try:
         entry = pwd.getpwuid(path.stat().st_uid)
     except (OSError, KeyError):

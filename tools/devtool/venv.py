@@ -65,7 +65,8 @@ def cuda_root() -> Path:
 
 
 def _cuda_links() -> None:
-    """Creates lib64 and unversioned names, which PyPI's parts lack and CMake expects of a toolkit."""
+    """Creates lib64 and unversioned names, which CMake expects of a toolkit and the PyPI packages
+    lack."""
     root = cuda_root()
     if not (root / "lib64").exists():
         (root / "lib64").symlink_to("lib")

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable, Iterator, Sequence
 
-#: Enough samples per pixel that noise does not distract.
+#: Samples per pixel, enough that noise does not distract.
 SAMPLES = 24
 
 
 @dataclass(frozen=True)
 class Step:
-    """`deed` runs on a newly opened viewer without state from the previous step. Afterwards, `shown` (a selector) is visible."""
+    """A step of the tour. `deed` runs on a newly opened viewer without state from the previous
+    step. Afterwards, `shown` (a selector) is visible."""
 
     name: str
     deed: Callable
@@ -99,7 +100,7 @@ STEPS = (
     Step("share", _press("View together")),
     Step("help", _press("Controls")),
 )
-#: Like STEPS, of a scan that has labels.
+#: The steps with a scan that has labels.
 LABELLED_STEPS = (Step("labels", _labels),)
 
 

@@ -103,8 +103,8 @@ def _take() -> None:
 
 
 def _build_kubelet() -> None:
-    """Builds with the control plane's module and the few checksums that only kubelet needs. Adding them to the module would
-    rebuild everything else."""
+    """Builds kubelet with the control plane's module and the few checksums that only kubelet needs.
+    Adding them to the module would rebuild everything else."""
     with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
         shutil.copy(kubernetes.MODULE / "go.mod", Path(beside) / "go.mod")
         sums = "".join((kubernetes.MODULE / name).read_text(encoding="ascii") for name in ("go.sum", "kubelet.sum"))

@@ -30,7 +30,7 @@ def read_hounsfield(source):
 
 
 def mapped(voxels):
-    # Indexed by the value itself, because Python counts negative indices from the end.
+    # The table is indexed by the value itself, because Python counts negative indices from the end.
     table = [
         round(30000 * min(max((hu - 150) / 450, 0), 1))
         for hu in (i if i < 32768 else i - 65536 for i in range(65536))

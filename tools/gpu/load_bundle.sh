@@ -29,7 +29,8 @@ export DIAPHANE_KERNEL_CACHE="${DIAPHANE_KERNEL_CACHE:-${TMPDIR:-/tmp}/diaphane-
 chmod +x "$here"/bin/*
 nvidia-smi --query-gpu=name,driver_version,memory.used --format=csv,noheader 2>/dev/null || true
 echo "$(nproc) cores, $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)"
-# Set only for these programs, so that the tools of the shell use the machine's libraries.
+# The library path is set only for these programs, so that the tools of the shell use the machine's
+# libraries.
 LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" exec "$here/bin/diaphane-load" bench --bin-dir "$here/bin" --volume "$here/volume" --engine "${ENGINE:-cuda}" "$@"
 RUN
 chmod +x "$folder/run"

@@ -42,7 +42,7 @@ cat > "$folder/bench" <<'BENCH'
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cp -a --update=none "$here/root/." /
-# Appended to the search path, for programs that start with an empty environment.
+# The libraries are appended to the search path, for programs that start with an empty environment.
 echo "$here/lib" > /etc/ld.so.conf.d/zz-diaphane.conf
 ldconfig
 mkdir -p /var/lib/nginx /var/log/nginx
@@ -50,7 +50,8 @@ export DIAPHANE_BUILD=$here/app/build PYTHONDONTWRITEBYTECODE=1
 export DIAPHANE_NVRTC="${DIAPHANE_NVRTC:-/usr/local/cuda/lib64}"
 nvidia-smi --query-gpu=name,driver_version --format=csv,noheader 2>/dev/null || true
 echo "$(nproc) cores, $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)"
-# Set only for these programs, so that the tools of the shell use the machine's libraries.
+# The library path is set only for these programs, so that the tools of the shell use the machine's
+# libraries.
 export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 exec "$here/app/.tools/venv/bin/python" "$here/app/tools/devtool" bench "$@"
 BENCH

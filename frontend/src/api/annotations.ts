@@ -4,9 +4,9 @@ import type { Send } from "./sharing";
 export interface AnnotationSet {
   readonly id: string;
   readonly name: string;
-  /** Whether this user saved them. Nobody else can change them. */
+  /** Whether this user saved the set. Nobody else can change it. */
   readonly mine: boolean;
-  /** Whether they are shown when the scan is opened. */
+  /** Whether the marks are shown when the scan is opened. */
   readonly shown: boolean;
   readonly shared: boolean;
   /** The message `Annotations` as Protobuf JSON. */
@@ -18,7 +18,7 @@ export interface AnnotationSet {
 export interface AnnotationChange {
   readonly name?: string;
   readonly content?: unknown;
-  /** Of the content that the change is based on. The server refuses it with 412 if there is a newer one. */
+  /** The revision that the change is based on. The server answers 412 if there is a newer one. */
   readonly revision?: string;
   readonly shown?: boolean;
   readonly shared?: boolean;
@@ -33,7 +33,7 @@ export class AnnotationsApi {
     return ((await response.json()) as { readonly items: readonly AnnotationSet[] }).items;
   }
 
-  /** Those that the owner of a scan shares with everyone who has a link to it. */
+  /** Returns the sets that the owner of a scan shares with everyone who has a link to it. */
   async follow(token: string): Promise<readonly AnnotationSet[]> {
     const response = await this.send("POST", "/v1/follow/annotations", { token });
     return ((await response.json()) as { readonly items: readonly AnnotationSet[] }).items;

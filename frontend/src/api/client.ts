@@ -59,12 +59,12 @@ export async function problemOf(response: Response): Promise<ApiProblem> {
 export class Api {
   private token = "";
 
-  /** For uploads, which do not use `fetch`. */
+  /** Returns the CSRF token of the session, for uploads, which do not use `fetch`. */
   get csrfToken(): string {
     return this.token;
   }
 
-  /** Only for a user who has agreed to the processing of health data. */
+  /** Requests an account for a user who has agreed to the processing of health data. */
   async signUp(email: string): Promise<void> {
     await this.send("POST", "/v1/accounts", { email, consent: true });
   }
@@ -73,7 +73,7 @@ export class Api {
     await this.send("POST", "/v1/me/consent", { version });
   }
 
-  /** Also signs in. */
+  /** Confirms the address of a new account, sets its password and signs in. */
   async verify(token: string, password: string): Promise<Me> {
     return this.known(await this.json<Me>("POST", "/v1/accounts/verify", { token, password }));
   }
@@ -149,7 +149,7 @@ export class Api {
     await this.send("DELETE", "/v1/me/export");
   }
 
-  /** `code` only for an account with a second factor. */
+  /** Deletes the account. `code` is needed only with a second factor. */
   async deleteAccount(password: string, code: string): Promise<void> {
     await this.send("POST", "/v1/me/deletion", { password, ...(code ? { code } : {}) });
     this.token = "";
@@ -237,7 +237,7 @@ export class Api {
     await this.send("DELETE", `/v1/sessions/${sessionId}/links`);
   }
 
-  /** Needs no account. */
+  /** Joins another person's session as a guest. Needs no account. */
   join(
     token: string,
     key: string,

@@ -5,7 +5,7 @@ import type { Environment } from "./types";
 export const mostEnvironmentBytes = 4 * 1024 * 1024;
 const longestName = 60;
 
-/** The environments that users bring to light scans with. */
+/** The routes for the environments that users upload to light their scans. */
 export class EnvironmentsApi {
   constructor(private readonly send: Send) {}
 
@@ -13,12 +13,15 @@ export class EnvironmentsApi {
     return ((await (await this.send("GET", "/v1/environments")).json()) as { items: Environment[] }).items;
   }
 
-  /** Works without an account for anyone who knows the ID. */
+  /** Returns an environment to anyone who knows the ID, even without an account. */
   async get(id: string): Promise<Environment> {
     return (await (await this.send("GET", `/v1/environments/${id}`)).json()) as Environment;
   }
 
-  /** Returns the existing environment if the account has one of the same file. It is named after the file. */
+  /**
+   * Uploads a file as an environment of the same name, or returns the existing one if the account
+   * has one of this file.
+   */
   async add(file: File): Promise<Environment> {
     const name = file.name.replace(/\.[^.]*$/, "").slice(0, longestName) || file.name.slice(0, longestName);
     const path = `/v1/environments?name=${encodeURIComponent(name)}`;

@@ -17,7 +17,7 @@ export function withMark(marks: readonly Mark[], mark: Mark): readonly Mark[] {
   return [...marks.filter((one) => one.atMs >= mark.atMs - lookedBackMs), mark];
 }
 
-/** Returns null if it is too early for an estimate or nothing moves. */
+/** Estimates the remaining seconds. Returns null if it is too early or nothing moves. */
 export function secondsLeft(marks: readonly Mark[], total: number): number | null {
   const first = marks[0];
   const last = marks.at(-1);

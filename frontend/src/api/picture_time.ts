@@ -20,8 +20,8 @@ export function pictureTime(time: Me["render_time"]): PictureTime {
 }
 
 /**
- * The time after which to ask the server again. Several open pictures use the time in parallel, so it is short enough
- * for all of them.
+ * Returns the delay before the next request to the server: a third of the time left until the next
+ * warning, because several open pictures may use it up in parallel.
  */
 export function pollDelayMs(time: Me["render_time"]): number {
   const leftMs = time.quota_ms - time.used_ms;

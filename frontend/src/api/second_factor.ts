@@ -4,7 +4,7 @@ const path = "/v1/me/second-factor";
 
 /** The response of GET /v1/me/second-factor. */
 export interface SecondFactor {
-  /** Null if there is no second factor. */
+  /** Time of the setup. Null if there is no second factor. */
   readonly set_up_at: string | null;
   /** Number of unused recovery codes. */
   readonly recovery_codes: number;
@@ -12,7 +12,7 @@ export interface SecondFactor {
   readonly required: boolean;
 }
 
-/** Shown only once. */
+/** A new TOTP secret, which the server returns only once. */
 export interface NewSecret {
   /** Base32, for typing it into an app. */
   readonly secret: string;

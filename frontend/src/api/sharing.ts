@@ -16,7 +16,9 @@ import type {
 /** Sends an authenticated request. Rejects with ApiProblem. */
 export type Send = (method: string, path: string, body?: unknown, init?: RequestInit) => Promise<Response>;
 
-/** An idempotency key, so that a request that is repeated on the way creates only one resource. */
+/**
+ * Returns the header with an idempotency key, so that a repeated request creates only one resource.
+ */
 const once = () => ({ headers: { "Idempotency-Key": randomKey() } });
 
 const read = async <T>(response: Promise<Response>): Promise<T> => (await (await response).json()) as T;
@@ -33,7 +35,10 @@ export class SharingApi {
     return read(this.send("PATCH", `/v1/data-sets/${id}`, what));
   }
 
-  /** `slices` controls whether users of the gallery may see the slices of a public scan. */
+  /**
+   * Makes a scan public or private. `slices` controls whether users of the gallery may see the
+   * slices of a public scan.
+   */
   setVisibility(id: string, visibility: "private" | "public", slices = false): Promise<DataSet> {
     return read(
       this.send("POST", `/v1/data-sets/${id}/visibility`, {
@@ -67,7 +72,7 @@ export class SharingApi {
     await this.send("DELETE", `/v1/data-sets/${id}/links/${link}`);
   }
 
-  /** Who viewed the scan, latest first. `own` includes the owner. */
+  /** Returns who viewed the scan, latest first. `own` includes the owner's views. */
   views(id: string, own: boolean, cursor: string | null): Promise<Page<ViewEntry>> {
     const query = new URLSearchParams({ own: String(own), ...(cursor === null ? {} : { cursor }) });
     return read(this.send("GET", `/v1/data-sets/${id}/views?${query.toString()}`));
@@ -86,7 +91,7 @@ export class SharingApi {
     return read(this.send("POST", "/v1/follow", { token }));
   }
 
-  /** Needs no account. */
+  /** Opens a sample, or a scan by link. Needs no account. */
   visit(
     what: { readonly token: string } | { readonly data_set_id: string },
     key: string,
@@ -99,7 +104,7 @@ export class SharingApi {
     await this.send("POST", `/v1/data-sets/${id}/reports`, { reason, words });
   }
 
-  /** The following five functions are for administrators. */
+  /** Returns the open reports. This function and the five below are for administrators. */
   async reports(): Promise<readonly Report[]> {
     return (await read<Page<Report>>(this.send("GET", "/v1/reports"))).items;
   }
@@ -168,7 +173,7 @@ export class PresetsApi {
     await this.send("POST", `/v1/data-sets/${dataSet}/default-preset`, { preset_id: preset?.id ?? null });
   }
 
-  /** Takes the exchange format of docs/presets.md. */
+  /** Creates a preset from a file in the exchange format of docs/presets.md. */
   importXml(dataSet: string, xml: Blob): Promise<SavedPreset> {
     return read(
       this.send("POST", `/v1/data-sets/${dataSet}/presets/xml`, xml, {
@@ -177,7 +182,7 @@ export class PresetsApi {
     );
   }
 
-  /** Rejects with 404 until the picture exists. */
+  /** Returns the picture of a preset. Rejects with 404 until it exists. */
   async picture({ data_set_id: dataSetId, id }: PresetInfo, signal: AbortSignal): Promise<Blob> {
     return (await this.send("GET", `/v1/data-sets/${dataSetId}/presets/${id}/thumbnail`, undefined, { signal })).blob();
   }

@@ -32,7 +32,10 @@ export class TabCoordinator {
   private readonly others = new Map<string, { readonly view: UploadView; readonly atMs: number }>();
   private readonly releases = new Map<string, () => void>();
 
-  /** @param changed is called when the uploads of other windows have changed. @param own returns this window's uploads. */
+  /**
+   * Begins to coordinate. `changed` is called when the uploads of other windows have changed, and
+   * `own` returns this window's uploads.
+   */
   constructor(
     private readonly changed: () => void,
     private readonly own: () => readonly UploadView[],
@@ -69,7 +72,7 @@ export class TabCoordinator {
     if (sent.length > 0) this.say({ sent: sent.map((view) => ({ ...view, marks: [] })), ended: [], ask: false });
   }
 
-  /** The uploads of other windows, without those that no window is sending any longer. */
+  /** Returns the uploads that other windows are sending. */
   views(): readonly UploadView[] {
     const since = this.between.locks ? -Infinity : this.between.nowMs() - silentMs;
     return [...this.others.values()].filter(({ atMs }) => atMs > since).map(({ view }) => view);
@@ -77,7 +80,7 @@ export class TabCoordinator {
 
   /** Forgets the uploads of windows that were closed without a message. The caller runs it periodically. */
   async forgetClosedTabs(): Promise<void> {
-    const others = [...this.others.keys()]; // A lock that was acquired after the query is not missed.
+    const others = [...this.others.keys()]; // first, to keep uploads that start meanwhile
     if (others.length === 0) return;
     if (this.between.locks) {
       const { held = [] } = await this.between.locks.query();

@@ -16,7 +16,10 @@ export interface Me {
     readonly quota_ms: number;
     readonly used_ms: number;
     readonly renewed_at: string;
-    /** When open pictures close because no rendering time is left. Null: no end is scheduled. */
+    /**
+     * Time at which open pictures close because no rendering time is left. Null if no end is
+     * scheduled.
+     */
     readonly pictures_end_at: string | null;
   };
 }
@@ -31,7 +34,7 @@ export interface BrowserSession {
 
 export interface Export {
   readonly state: "queued" | "ready" | "failed";
-  /** The export is queued, and there is currently no room for it. */
+  /** Whether the queued export waits for free storage space. */
   readonly waiting: boolean;
   readonly bytes: number | null;
   readonly created_at: string;
@@ -136,13 +139,13 @@ export interface DataSet {
   readonly labels: {
     readonly count: number;
     readonly bytes: number;
-    /** The server reads an uploaded file. */
+    /** Whether the server is processing an uploaded file. */
     readonly placing: boolean;
     readonly upload: UploadInProgress | null;
-    /** Why the last file was refused. */
+    /** Why the server refused the last file. */
     readonly refusal: { readonly code: string; readonly text: string } | null;
   } | null;
-  /** Only the owner gets this. */
+  /** How many people and links have access. Sent only to the owner. */
   readonly shared: { readonly people: number; readonly links: number } | null;
   readonly taken_down: { readonly reason: string } | null;
   readonly published_at: string | null;
@@ -284,7 +287,7 @@ export interface Recordings {
 export interface Environment {
   readonly id: string;
   readonly mine: boolean;
-  /** Only for its owner. */
+  /** Sent only to the owner. */
   readonly name?: string;
   /** 32 x 16 pixels in sRGB, in hexadecimal. */
   readonly preview: string;

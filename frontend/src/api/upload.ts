@@ -3,10 +3,10 @@ import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpSta
 /** The only file that uses tus-js-client (docs/adr/0021). */
 
 export const partBounds = { first: 1 << 20, least: 1 << 18, most: 8 << 20 } as const;
-/** Maximum duration of a part, because a pause or a closed window loses the part in transit. */
+/** Target duration of a part. A pause or a closed window loses the part in transit. */
 const partMs = 2000;
 
-/** The size of the next part, after one of `bytes` took `ms`. */
+/** Returns the size of the next part, after one of `bytes` took `ms`. */
 export function nextPartBytes(bytes: number, ms: number): number {
   const target = (bytes * partMs) / Math.max(1, ms);
   return Math.round(Math.min(partBounds.most, Math.max(partBounds.least, target)));
@@ -33,7 +33,7 @@ export interface RunningUpload {
 
 const waitsMs = [300, 1000, 2000, 4000, 8000];
 const fullWaitMs = 60_000;
-/** A token that another window has renewed arrives here within moments. */
+/** Attempts with an outdated CSRF token. One that another window renewed arrives within moments. */
 const triesWithOldToken = 4;
 
 /** Uploads from the server's offset in parts with a checksum each, and resumes after any interruption. */
@@ -68,7 +68,7 @@ export function startUpload(bundle: Blob, url: string, csrfToken: () => string, 
       events.end({ kind: "done" });
     },
     onError: (error) => {
-      if (!sending) return; // stopped
+      if (!sending) return; // `stop` was called
       sending = false;
       const status = error instanceof DetailedError ? (error.originalResponse?.getStatus() ?? 0) : 0;
       if (!worthRetrying(status, failures)) {
@@ -93,8 +93,9 @@ export function startUpload(bundle: Blob, url: string, csrfToken: () => string, 
 }
 
 /**
- * 403: the token is outdated. 409: the offset differs, so ask for it. 423: a part is still being written. 429: too
- * fast. 460: corrupted in transit.
+ * Returns whether an upload may succeed later despite this HTTP status: 403 (outdated CSRF token),
+ * 409 (offset differs), 423 (a part is still being written), 429 (too many requests) and 460
+ * (corrupted in transit) are temporary, like timeouts and server errors.
  */
 export const worthRetrying = (status: number, failures: number): boolean =>
   status === 0 ||
@@ -123,7 +124,10 @@ class ChecksumStack implements HttpStack {
   }
 }
 
-/** Returns null outside a secure context, where the browser computes no digests. */
+/**
+ * Returns the Upload-Checksum of a part. Returns null outside a secure context, where the browser
+ * computes no digests.
+ */
 export async function checksumOf(part: Blob): Promise<string | null> {
   const subtle = (crypto as Partial<Crypto>).subtle;
   if (!subtle) return null;

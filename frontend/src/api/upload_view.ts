@@ -36,7 +36,10 @@ export function begun(dataSetId: string, total: number): UploadView {
   };
 }
 
-/** A stall ends when more bytes arrive than before it, not when a retry begins. */
+/**
+ * Updates the progress. A stall ends when more bytes arrive than before it, not when a retry
+ * begins.
+ */
 export function withProgress(view: UploadView, sent: number, atMs: number): UploadView {
   if (view.phase !== "sending" && view.phase !== "stalled") return view;
   const still = view.phase === "stalled" && sent <= view.sent;
@@ -66,7 +69,7 @@ export function refused(view: UploadView, end: UploadEnd & { readonly kind: "ref
   return { ...inPhase(view, "refused"), refusal: known[end.status] ?? "other" };
 }
 
-/** Seconds, or null if it is too early for an estimate. */
+/** Returns the remaining seconds, or null if it is too early for an estimate. */
 export const timeLeft = (view: UploadView): number | null =>
   view.phase === "sending" ? secondsLeft(view.marks, view.total) : null;
 

@@ -10,7 +10,10 @@ import { begun, stalled, inPhase, isOpen, nextToSend, refused, withProgress, typ
 
 export type { UploadView } from "./upload_view";
 
-/** More uploads would only share the bandwidth, and browsers open at most six connections per host. */
+/**
+ * Maximum number of parallel uploads. More would only share the bandwidth, and browsers open at
+ * most six connections per host.
+ */
 const atOnce = 3;
 const reportedEveryMs = 1000;
 
@@ -113,7 +116,7 @@ export class Uploads {
     this.uploadViews.value = new Map();
   }
 
-  /** Like `interrupted`, but this window becomes the one that sends the upload. */
+  /** Returns the same as `interrupted`, and makes this window the one that sends the upload. */
   private async resumeRemembered(fingerprint: string, bytes: number): ReturnType<Uploads["interrupted"]> {
     const known = rememberedUpload(local, fingerprint);
     if (known?.bytes !== bytes || this.own.has(known.data_set_id)) return null;
@@ -182,7 +185,10 @@ export class Uploads {
     return [...this.uploadViews.value.values()].filter((view) => isOpen(view) && this.own.has(view.data_set_id));
   }
 
-  /** Called by the timer, which sleeps in a background window, and by arriving data, which wakes it. */
+  /**
+   * Reports progress to the other windows. Called by a timer, which browsers throttle in the
+   * background, and by arriving data, which wakes the window.
+   */
   private notifyTabs(): void {
     if (performance.now() - this.reportedMs < reportedEveryMs / 2) return;
     this.reportedMs = performance.now();

@@ -45,7 +45,7 @@ export function attachGestures(
   element.addEventListener(
     "wheel",
     (event) => {
-      event.preventDefault(); // the page would scroll
+      event.preventDefault(); // keeps the page from scrolling
       act({ kind: "zoom", factor: wheelZoom(event.deltaY, event.deltaMode, event.ctrlKey) }, false);
     },
     { signal, passive: false },
@@ -54,8 +54,9 @@ export function attachGestures(
 }
 
 /**
- * Browsers report moves with the next screen refresh, some of them earlier as raw updates. The first raw update after a
- * refresh is used at once. Later ones are not, because a mouse may send a thousand per second.
+ * Listens to moves. Browsers report them with the next screen refresh, some of them earlier as raw
+ * updates. The first raw update after a refresh is used at once. Later ones are not, because a
+ * mouse may send a thousand per second.
  */
 function listenToMoves(element: HTMLElement, moved: (event: PointerEvent) => void, signal: AbortSignal): void {
   const passive = { signal, passive: true };

@@ -45,7 +45,7 @@ function unrolled(azimuth: number, elevation: number): CameraFrame {
     Math.cos(elevation) * Math.sin(azimuth),
     Math.sin(elevation),
   );
-  // Not computed as cross(pole, back), because this form stays exact when looking straight down.
+  // `right` is not cross(pole, back), because this form stays exact when looking straight down.
   const right = vec3(-Math.sin(azimuth), Math.cos(azimuth), 0);
   return { right, up: cross(back, right), back };
 }
@@ -61,7 +61,10 @@ export function orbitFrame(orbit: Orbit): CameraFrame {
   };
 }
 
-/** Precondition: `eye` differs from `target`. An `up` parallel to the view direction counts as no roll. */
+/**
+ * Returns a camera as a turntable. Precondition: `eye` differs from `target`. An `up` parallel to
+ * the view direction counts as no roll.
+ */
 export function orbitOf(pose: CameraPose): Orbit {
   const away = subtract(pose.eye, pose.target);
   const distance = length(away);
@@ -125,7 +128,10 @@ export function panned(orbit: Orbit, right: number, down: number): Orbit {
   return { ...orbit, target: add(orbit.target, shift) };
 }
 
-/** Shows as much in another picture: by height in a wide one, by width in one that is narrower than high. */
+/**
+ * Moves the eye for a picture of another aspect ratio, so that the shorter side of the picture
+ * shows as much as before.
+ */
 export function refitted(pose: CameraPose, aspectBefore: number, aspect: number): CameraPose {
   if (!(aspectBefore > 0) || !(aspect > 0)) return pose;
   const factor = Math.max(1, 1 / aspect) / Math.max(1, 1 / aspectBefore);
@@ -133,7 +139,10 @@ export function refitted(pose: CameraPose, aspectBefore: number, aspect: number)
   return { ...pose, eye: add(pose.target, scale(subtract(pose.eye, pose.target), factor)) };
 }
 
-/** Where a unit axis of the patient points in the picture: x to the right, y up, z towards the viewer. */
+/**
+ * Returns where a unit axis of the patient points in the picture: x to the right, y up, z towards
+ * the viewer.
+ */
 export function inPicture(frame: CameraFrame, axis: Vec3): Vec3 {
   return vec3(dot(axis, frame.right), dot(axis, frame.up), dot(axis, frame.back));
 }

@@ -36,8 +36,9 @@ export function cubeFaces(pose: CameraPose): CubeFace[] {
 }
 
 /**
- * Views the target from the side of a face, at the same distance. The head is at the top of the picture. From above and
- * below, the picture is the one to which a camera in front of the patient rises or sinks.
+ * Returns the camera that views the target from the side of a face, at the same distance and with
+ * the head at the top. The views from above and below are those that a camera in front of the
+ * patient reaches by rising or sinking.
  */
 export function poseFromSide(pose: CameraPose, letter: string): CameraPose {
   const axis = patientAxes.find((one) => one.letter === letter)?.axis;

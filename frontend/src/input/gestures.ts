@@ -36,7 +36,7 @@ export class Gestures {
   move(sample: PointerSample, area: Area): Gesture[] {
     const held = this.held.get(sample.id);
     if (!held || area.height <= 0) return [];
-    if (sample.x === held.x && sample.y === held.y) return []; // reported already, and a new scene would start a new picture
+    if (sample.x === held.x && sample.y === held.y) return []; // reported already
     const others = [...this.held].filter(([id, other]) => id !== sample.id && other.touch).map(([, other]) => other);
     const now: Held = { ...held, x: sample.x, y: sample.y };
     this.held.set(sample.id, now);
@@ -70,10 +70,10 @@ function one(before: Held, now: Held, area: Area): Gesture[] {
   }
 }
 
-/** Clockwise, because y points down. */
+/** Returns the angle of a point about the middle, clockwise because y points down. */
 const angleAboutMiddle = (at: Point, area: Area): number => Math.atan2(at.y - area.height / 2, at.x - area.width / 2);
 
-/** One finger moves while another rests: the picture pans and zooms with the two. */
+/** Returns the gestures of a finger that moves while another rests: the picture pans and zooms. */
 function twoFingers(before: Held, now: Held, other: Held, area: Area): Gesture[] {
   const apartBefore = Math.hypot(before.x - other.x, before.y - other.y);
   const apartNow = Math.hypot(now.x - other.x, now.y - other.y);
@@ -86,8 +86,8 @@ function twoFingers(before: Held, now: Held, other: Held, area: Area): Gesture[]
 }
 
 /**
- * `deltaMode` is that of WheelEvent: 0 pixels, 1 lines, 2 pages. A pinch on a touchpad arrives as a wheel event with
- * Ctrl.
+ * Returns the zoom factor of a wheel event. `deltaMode` is that of WheelEvent: 0 pixels, 1 lines, 2
+ * pages. A pinch on a touchpad arrives as a wheel event with Ctrl.
  */
 export function wheelZoom(deltaY: number, deltaMode: number, pinch: boolean): number {
   const pixels = deltaY * (deltaMode === 1 ? 16 : deltaMode === 2 ? 400 : 1);

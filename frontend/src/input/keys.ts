@@ -25,8 +25,9 @@ const step = (5 * Math.PI) / 180;
 const zoomStep = 1.12;
 
 /**
- * Arrow keys rotate, with Shift they pan, and with Ctrl left and right roll, so every drag has a key. Returns null for
- * keys that belong to the browser or to the focused element.
+ * Returns the command of a key press, or null for keys that belong to the browser or to the focused
+ * element. Arrow keys rotate, with Shift they pan, and with Ctrl left and right roll, so every drag
+ * has a key.
  */
 export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null {
   if (press.alt || press.meta || focused === "text" || focused === "list") return null;
@@ -58,7 +59,9 @@ export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null 
   }
 }
 
-/** These also work while a tool of the slices has the focus, because radio buttons keep it. */
+/**
+ * Commands that also work while a tool of the slices has the focus, because radio buttons keep it.
+ */
 const views: Readonly<Record<string, KeyCommand>> = { v: { kind: "slices" }, m: { kind: "alone" } };
 
 const arrows: Readonly<Record<string, readonly [number, number]>> = {

@@ -6,7 +6,7 @@ export interface PointerSample {
   readonly touch: boolean;
   readonly button: number;
   readonly shift: boolean;
-  /** Also the Command key of a Mac. */
+  /** The Ctrl key, or the Command key of a Mac. */
   readonly ctrl: boolean;
 }
 

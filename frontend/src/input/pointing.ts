@@ -1,14 +1,14 @@
 import type { Point } from "./flat";
 import { pointerSampleOf } from "./pointer_sample";
 
-/** A finger that stays in place for this long points. */
+/** Time for which a finger must stay in place to start pointing. */
 const holdMs = 450;
 const stillPx = 10;
 
 export interface Pointing {
   /** Whether anybody sees where the user points. Otherwise, a finger that is held down is not taken from the gestures. */
   readonly isSeen: () => boolean;
-  /** Null: the mouse has left. */
+  /** Called with null when the mouse leaves. */
   readonly point: (at: Point | null) => void;
 }
 
@@ -18,7 +18,7 @@ export interface Pointing {
  */
 export function attachPointing(element: HTMLElement, { isSeen, point }: Pointing, signal: AbortSignal): void {
   const held = new HeldFinger((id) => {
-    // The gestures let go of the finger.
+    // Makes the gestures release the finger.
     element.dispatchEvent(new PointerEvent("pointercancel", { pointerId: id, pointerType: "touch" }));
   }, point);
   const options = { signal, capture: true, passive: true };
@@ -100,7 +100,9 @@ class HeldFinger {
     return this.pointing;
   }
 
-  /** Returns whether the finger pointed. Where it did so stays visible for a while. */
+  /**
+   * Returns whether the finger pointed. The pointer stays in its last position until it expires.
+   */
   up(id: number): boolean {
     const pointed = this.isPointing(id);
     if (this.finger?.id === id) this.stop();

@@ -20,7 +20,7 @@ export function normalize(a: Vec3, otherwise: Vec3): Vec3 {
   return n > 1e-12 && Number.isFinite(n) ? scale(a, 1 / n) : otherwise;
 }
 
-// For values that a browser stored, which may be damaged.
+// Type guards for values from the browser's storage, which may be damaged.
 export const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
 
 export function isPoint(value: unknown): value is Vec3 {

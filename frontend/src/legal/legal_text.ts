@@ -1,6 +1,7 @@
 /**
- * The format of the installation's own texts (public/legal): paragraphs separated by blank lines, headings that begin
- * with # or ##, lists whose lines begin with -, and places to fill in between [[ and ]]. Addresses become links.
+ * The format of the installation's own texts (public/legal): paragraphs separated by blank lines,
+ * headings that begin with # or ##, lists whose lines begin with -, and placeholders between [[ and
+ * ]]. Addresses become links.
  */
 
 export type Span =
@@ -19,7 +20,7 @@ export interface LegalText {
   /** The first heading, or null if the text begins without one. */
   readonly title: string | null;
   readonly blocks: readonly Block[];
-  /** The text still has a place that the operator has to fill in. */
+  /** Whether the text still has a placeholder that the operator has to fill in. */
   readonly isTemplate: boolean;
 }
 

@@ -27,7 +27,7 @@ export interface CollaborationParts {
 }
 
 export const sharedEveryMs = 100;
-/** The pause before the server may send more. */
+/** Delay before an update is acknowledged. The server sends no other one until then. */
 const takenAfterMs = 50;
 /** A pointer that has not moved for this long is hidden. */
 export const pointerForMs = 4000;
@@ -56,7 +56,7 @@ export class Collaboration {
   /** Increases with each connection, because a new worker knows nothing. */
   private readonly connections = signal(0);
   private guestPointers = true;
-  /** The worker may not know this viewer's choice yet. */
+  /** Whether this is a new connection, whose worker may not know this viewer's choice yet. */
   private isNewConnection = true;
   private pointing = false;
   private readonly expiries = new Map<number, () => void>();
@@ -109,7 +109,7 @@ export class Collaboration {
     }
   }
 
-  /** Moves this viewer's pointer. Null: it has left. */
+  /** Moves this viewer's pointer, or hides it if `at` is null. */
   point(at: PointerAt | null): void {
     if (!this.points.value || (!at && !this.pointing)) return;
     this.pointing = at !== null;

@@ -7,11 +7,14 @@ import type { TicketSource } from "../protocol/stream_client";
 /** The source of a viewer's pictures, and the key under which the page remembers the view. */
 export interface Place {
   readonly key: string;
-  /** The user's own scan, or null for a guest. */
+  /** The scan that the user's account may open, or null for guests and visitors. */
   readonly data_set_id: string | null;
   /** The scan whose pictures this person may load; a guest gets those of samples only. */
   readonly pictured_id: string | null;
-  /** Null if this person gets no saved marks; a guest of a live session sees those that its participants show. */
+  /**
+   * Lists the saved marks. Null if this person gets none; a guest of a live session sees those that
+   * its participants show.
+   */
   readonly savedMarks: (() => Promise<readonly AnnotationSet[]>) | null;
   ticketSource(known: string | null, session: (id: string) => void): TicketSource;
   /** Called when the user leaves the page. */
@@ -42,7 +45,7 @@ export function guestPlace(api: Api, token: string, guest: Guest): Place {
   };
 }
 
-/** Viewing without an account: a sample, or a scan shared by link. */
+/** Returns the place of a visit without an account: a sample, or a scan shared by link. */
 export function visitPlace(
   api: Api,
   what: { readonly token: string } | { readonly data_set_id: string },

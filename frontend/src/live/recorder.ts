@@ -11,7 +11,7 @@ interface Kept {
   readonly camera?: unknown;
 }
 
-/** docs/contracts.md, "Recorded interaction". */
+/** A recording in the format of docs/contracts.md, "Recorded interaction". */
 export interface Recording {
   readonly format: "diaphane-interaction";
   readonly version: 1;
@@ -44,7 +44,7 @@ export class Recorder {
     return full;
   }
 
-  /** Returns the current recording, or null if the user only looked at a picture. */
+  /** Ends and returns the current recording, or null if the user only looked at a picture. */
   take(viewport: Viewport): Recording | null {
     const events = this.events;
     this.events = [];

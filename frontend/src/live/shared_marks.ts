@@ -55,14 +55,14 @@ export class SharedMarks {
     ];
   }
 
-  /** A new worker knows no marks. */
+  /** Sends the marks again, because a new worker knows none. */
   connected(): void {
     this.sent = false;
     this.parts.marks.others.value = new Map();
     this.connections.value += 1;
   }
 
-  /** The marks of a participant go with them. */
+  /** Removes the marks of participants who have left. */
   audienceChanged(audience: Audience): void {
     const { others } = this.parts.marks;
     const numbers = new Set(audience.participants.map(({ number }) => number));

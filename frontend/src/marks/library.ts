@@ -23,7 +23,10 @@ export interface LibraryParts {
   /** Whether this user may save marks with the scan, and whether they may share them. */
   readonly saves: boolean;
   readonly shares: boolean;
-  /** What the tab remembers: sets with changes that the server may not have, and hidden ones of others. */
+  /**
+   * What the tab remembers: sets with changes that the server may not have, and hidden sets of
+   * others.
+   */
   readonly memory: { unsavedSets: readonly string[]; hiddenSets: readonly string[] };
 }
 
@@ -48,19 +51,22 @@ export function showSet(
 ): void {
   batch(() => {
     marks.show(set, content.marks);
-    if (slices.following.value) return; // these are the presenter's
+    if (slices.following.value) return; // the measurements are the presenter's
     const others = slices.measures.value.filter((measure) => measure.set !== set);
     slices.measures.value = [...others, ...content.measures.map((measure) => ({ ...measure, set }))];
   });
 }
 
-/** The sets of marks and measurements that are saved with a scan. Changes to shown ones are saved by themselves. */
+/**
+ * The sets of marks and measurements that are saved with a scan. Changes to shown sets are saved
+ * automatically.
+ */
 export class MarkLibrary {
-  /** Null until they are known. */
+  /** The sets, or null until they are loaded. */
   readonly sets = signal<readonly AnnotationSet[] | null>(null);
-  /** The sets that are in the picture. */
+  /** The IDs of the sets that are shown. */
   readonly visible = signal<ReadonlySet<string>>(new Set());
-  /** The last change could not be saved. */
+  /** Whether the last change could not be saved. */
   readonly failed = signal(false);
   private readonly stored = new Map<string, string>();
   private readonly stopWatching: () => void;
@@ -88,7 +94,7 @@ export class MarkLibrary {
     });
   }
 
-  /** Saves what belongs to no set yet. */
+  /** Saves the marks and measurements that belong to no set as a new set. */
   async add(name: string): Promise<void> {
     const { api, dataSetId, marks, slices } = this.parts;
     const content = annotationsToJson(this.unsaved());
@@ -108,7 +114,7 @@ export class MarkLibrary {
     return annotationsOf(this.parts, (set) => this.isUnsaved(set));
   }
 
-  /** Shows or hides a set. The server remembers it for those of this user. */
+  /** Shows or hides a set. The server remembers the choice for a set of this user. */
   async setVisible(set: AnnotationSet, on: boolean): Promise<void> {
     if (!on) await this.save();
     batch(() => {
@@ -178,7 +184,10 @@ export class MarkLibrary {
     return set === undefined || set === viewSet;
   }
 
-  /** A set that was shown before a reload keeps what the server may not have got. */
+  /**
+   * Shows or hides a set when it is loaded. A set with changes that the server may not have keeps
+   * the content that survived the reload.
+   */
   private begin(set: AnnotationSet): void {
     const { memory } = this.parts;
     const content = annotationsFromJson(set.content) ?? empty;
@@ -202,7 +211,7 @@ export class MarkLibrary {
     if (!slices.following.value) slices.measures.value = slices.measures.value.filter(({ set }) => set !== id);
   }
 
-  /** Marks of a set that was deleted elsewhere are no longer saved. */
+  /** Turns marks and measurements of sets that were deleted elsewhere into unsaved ones. */
   private forgetMissing(sets: readonly AnnotationSet[]): void {
     const { marks, slices } = this.parts;
     const isGone = (set?: string) => !this.isUnsaved(set) && !sets.some(({ id }) => id === set);
@@ -210,12 +219,14 @@ export class MarkLibrary {
     slices.measures.value = slices.measures.value.map((measure) => (isGone(measure.set) ? withSet(measure) : measure));
   }
 
-  /** Only their author can change the marks of a set. */
+  /** Locks the sets of others, because only their author can change them. */
   private lock(): void {
     this.parts.marks.locked.value = new Set((this.sets.value ?? []).filter(({ mine }) => !mine).map(({ id }) => id));
   }
 
-  /** The shown sets of this user that differ from what the server has, with their content. */
+  /**
+   * Returns the shown sets of this user that differ from what the server has, with their content.
+   */
   private changes(): readonly (readonly [AnnotationSet, unknown])[] {
     if (this.parts.slices.following.value) return []; // the measurements are the presenter's
     return (this.sets.value ?? []).flatMap((set) => {

@@ -18,11 +18,11 @@ export interface Mark {
   readonly text: string;
   /** The tip of an arrow, the middle of a circle, or the point that a text is about. */
   readonly place: Vec3;
-  /** Where an arrow begins. */
+  /** The place where an arrow begins. */
   readonly tail: Vec3;
-  /** Of a circle, which is the outline of a sphere. */
+  /** The radius of a circle, which is the outline of a sphere. */
   readonly radius: number;
-  /** The saved set that it belongs to. Absent: it is not saved. */
+  /** The saved set that the mark belongs to. Absent if it is not saved. */
   readonly set?: string;
 }
 
@@ -54,7 +54,7 @@ export function withEnd(mark: Mark, end: Vec3): Mark {
 /** Shortens a text to what the server accepts. An emoji is one character. */
 export const shortText = (text: string): string => Array.from(text).slice(0, longestText).join("");
 
-/** Moves a mark or a measurement to a saved set. Undefined: to none. */
+/** Moves a mark or a measurement to a saved set, or out of its set if `set` is undefined. */
 export function withSet<Item extends { readonly set?: string }>(item: Item, set?: string): Item {
   const rest = Object.fromEntries(Object.entries(item).filter(([name]) => name !== "set")) as Item;
   return set === undefined ? rest : { ...rest, set };

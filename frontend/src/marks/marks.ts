@@ -1,7 +1,7 @@
 import { computed, signal } from "@preact/signals";
 import { mostMarks, nextId, shortText, withSet, type Mark, type MarkKind } from "./mark";
 
-/** The steps that can be undone. */
+/** Maximum number of steps that can be undone. */
 const mostSteps = 100;
 
 /** A mark that someone else shows, with their number in the session. */
@@ -10,7 +10,7 @@ export interface OthersMark {
   readonly mark: Mark;
 }
 
-/** The key of a mark among those of all participants. */
+/** Returns the key of a mark among those of all participants. */
 export const keyOf = (number: number, id: number): string => `${number}.${id}`;
 
 /** The marks of this viewer, and those that the others show. */
@@ -23,7 +23,7 @@ export class Marks {
   readonly shown = signal(true);
   /** Whether the window of the marks is open, so that they have handles. */
   readonly editing = signal(false);
-  /** The kind of mark that the next press makes. */
+  /** The kind of mark that the next press creates. */
   readonly tool = signal<MarkKind | null>(null);
   readonly colour = signal(0);
   readonly selected = signal<number | null>(null);
@@ -31,7 +31,7 @@ export class Marks {
   readonly locked = signal<ReadonlySet<string>>(new Set());
   private readonly past = signal<readonly (readonly Mark[])[]>([]);
   private readonly future = signal<readonly (readonly Mark[])[]>([]);
-  /** The change that is not finished, such as a drag or typing. Its first state is the step to undo. */
+  /** The change in progress, such as a drag or typing. Its first state is the step to undo. */
   private open: string | null = null;
 
   readonly canUndo = computed(() => this.past.value.length > 0);
@@ -50,7 +50,7 @@ export class Marks {
     return added;
   }
 
-  /** Changes with the same name are one step until `rest` is called. */
+  /** Changes a mark. Changes with the same name are one step until `rest` is called. */
   change(name: string, id: number, change: (mark: Mark) => Mark): void {
     if (!this.find(id)) return; // it was deleted meanwhile
     this.commit(
@@ -63,7 +63,7 @@ export class Marks {
     this.change("text", id, (mark) => ({ ...mark, text: shortText(text) }));
   }
 
-  /** The next change is a new step. */
+  /** Ends the current step, so that the next change starts a new one. */
   rest(): void {
     this.open = null;
   }
@@ -118,7 +118,10 @@ export class Marks {
     this.replace(this.items.value.map((mark) => (mark.set === from ? withSet(mark, to) : mark)));
   }
 
-  /** Replaces the marks without a step to undo. Earlier steps would bring back what was removed on purpose. */
+  /**
+   * Replaces the marks and clears the steps to undo, which would bring back what was removed on
+   * purpose.
+   */
   replace(items: readonly Mark[]): void {
     this.items.value = items;
     this.past.value = [];

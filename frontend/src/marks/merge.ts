@@ -1,9 +1,15 @@
 import type { Annotations } from "../protocol/mark_messages";
 
-/** An item without what this window alone knows of it. Two windows may give different marks the same number. */
+/**
+ * Returns the content of an item without its ID and set, because two windows may give different
+ * marks the same ID.
+ */
 const keyOf = (item: object): string => JSON.stringify({ ...item, id: undefined, set: undefined });
 
-/** Adds to theirs what is new in mine, and removes what is missing there. Items are compared with their base. */
+/**
+ * Adds to `theirs` the items that are new in `mine`, and removes those that `mine` no longer has.
+ * Items are compared with `base`.
+ */
 function mergedItems<Item extends object>(
   base: readonly Item[],
   mine: readonly Item[],

@@ -53,7 +53,7 @@ interface PlacedText extends Point {
 }
 
 const outline = 4;
-/** The space beside a text that its outline needs. */
+/** Returns the space beside a text that its outline needs. */
 export const marginOf = (unit: number): number => Math.ceil((outline / 2 + 1) * unit);
 
 export function textFont(unit: number): { readonly css: string; readonly size: number } {

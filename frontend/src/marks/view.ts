@@ -11,16 +11,19 @@ export type Look = "plain" | "faint" | "none";
 
 /** A picture or a slice on which marks are drawn and made. Points are in pixels. */
 export interface MarkView {
-  /** Null: it is behind the eye. */
+  /** Returns where a place appears, or null if it is behind the eye. */
   readonly pointOf: (place: Vec3) => Point | null;
   /** Returns the place at the same depth that appears `by` pixels away. */
   readonly beside: (place: Vec3, by: Point) => Vec3;
-  /** The radius in pixels at which a sphere appears. */
+  /** Returns the radius in pixels at which a sphere appears. */
   readonly radiusOf: (place: Vec3, radius: number) => number;
   readonly lookOf: (mark: Mark, key: string) => Look;
 }
 
-/** `picture` is where the picture is drawn, and `hidden` has the keys of the marks behind matter. */
+/**
+ * Returns the view of a rendered picture. `picture` is where it is drawn, and `hidden` has the keys
+ * of the marks behind matter.
+ */
 export function viewOfPicture(eye: Eye, picture: Rectangle, hidden: ReadonlySet<string>): MarkView {
   const at = (place: Vec3): Point | null => {
     const point = onScreen(eye, picture, place);

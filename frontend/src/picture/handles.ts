@@ -17,7 +17,7 @@ export interface Handle extends Point {
   readonly high: number;
   /** Where two handles overlap, the one with the lower rank is shown. */
   readonly rank: number;
-  /** Whether it is on the side facing away from the viewer. */
+  /** Whether the handle is on the side facing away from the viewer. */
   readonly behind?: boolean;
 }
 

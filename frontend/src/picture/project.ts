@@ -24,7 +24,7 @@ const pixelsPerMm = (eye: Eye, screen: Area, ahead: number): number =>
     ? screen.height / eye.orthographicHeight
     : screen.height / 2 / Math.tan((eye.verticalFovDegrees * Math.PI) / 360) / ahead;
 
-/** Returns null for a point behind the eye. */
+/** Projects a point to pixels of the screen. Returns null for a point behind the eye. */
 export function onScreen(eye: Eye, screen: Area, place: Vec3): Point | null {
   const frame = frameOf(eye);
   const fromEye = subtract(place, eye.eye);
@@ -116,8 +116,8 @@ export function faceOf(box: Box, axis: Axis, side: "low" | "high"): { readonly p
 export const handlePx = 44;
 
 /**
- * Of overlapping items, keeps the one with the lowest rank, because the others would be hit by accident. They stay
- * reachable by their sliders.
+ * Removes overlapping items except for the one with the lowest rank, because the others would be
+ * hit by accident. They stay reachable by their sliders.
  */
 export function apart<Item extends Point>(items: readonly Item[], rank: (item: Item) => number): Item[] {
   const taken: Item[] = [];

@@ -2,7 +2,7 @@ import { subprotocol } from "./messages";
 import { probeLimitMs } from "./silence_watch";
 import type { OpenSocket } from "./stream_client";
 
-/** `url` is a path on the page's origin. */
+/** Opens a WebSocket. `url` is a path on the page's origin. */
 export const openBrowserSocket: OpenSocket = (url, events) => {
   const address = new URL(url, location.href);
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
@@ -21,7 +21,7 @@ export const openBrowserSocket: OpenSocket = (url, events) => {
   };
 };
 
-/** Any answer will do, even an error: it has come over the network. */
+/** Returns whether the server can be reached. Any response counts, even an error. */
 export async function probeServer(): Promise<boolean> {
   try {
     await fetch("/", { method: "HEAD", cache: "no-store", signal: AbortSignal.timeout(probeLimitMs) });

@@ -32,7 +32,7 @@ export interface ConnectionState {
   readonly phase: Phase;
   /** Number of attempts since the last picture arrived. */
   readonly attempt: number;
-  /** Whether a picture was shown before, so that this is a reconnection. */
+  /** Whether a worker was connected before, so that this is a reconnection. */
   readonly wasLive: boolean;
   readonly trouble: Trouble | null;
 }
@@ -48,7 +48,7 @@ export type ConnectionEvent =
   | { readonly kind: "lost" } // the connection is open, but the server can't be reached
   | { readonly kind: "timeout" } // of a wait, or of a step that took too long
   | { readonly kind: "again" } // the page itself asked for a new greeting
-  | { readonly kind: "wake" } // the network is back, or the page is looked at again
+  | { readonly kind: "wake" } // the network is back, or the page is visible again
   | { readonly kind: "stop" };
 
 export type ConnectionEffect =
@@ -67,7 +67,9 @@ export interface Step {
 
 export const firstState: ConnectionState = { phase: "idle", attempt: 0, wasLive: false, trouble: null };
 
-/** A visit has ended, or the rendering time is used up, so that there are no more pictures. */
+/**
+ * Whether there are no more pictures, because a visit has ended or the rendering time is used up.
+ */
 export const isOver = ({ trouble }: ConnectionState): boolean => trouble === "link_ended" || trouble === "time_spent";
 
 const stepLimitMs = 10_000;
@@ -155,8 +157,8 @@ const linkEnded = 4410;
 const displaced = 4411;
 
 /**
- * After these codes, the page does not reconnect automatically. Otherwise, two windows would take the session from each
- * other for ever.
+ * Close codes after which the page does not reconnect automatically. Otherwise, two windows would
+ * take the session from each other for ever.
  */
 const finalCloses: Readonly<Record<number, Pick<ConnectionState, "phase" | "trouble">>> = {
   [takenOver]: { phase: "elsewhere", trouble: "taken_over" },

@@ -2,7 +2,7 @@ import { vec3, type Vec3 } from "../input/vec3";
 import { encodeDepthQuery } from "./messages";
 import type { Depth } from "./gen/api/proto/stream_pb";
 
-/** The surface at a point of the picture. Null for the background, or without a response. */
+/** The surface at a point of the picture. */
 export interface SeenPlace {
   /** Distance from the eye along the view axis, in mm. */
   readonly distance: number;
@@ -29,7 +29,10 @@ export class DepthQueries {
 
   constructor(private readonly dependencies: QueryDependencies) {}
 
-  /** `x` and `y` range from 0 to 1, from the top left of the picture. */
+  /**
+   * Asks for the surface at a point. `x` and `y` range from 0 to 1, from the top left of the
+   * picture.
+   */
   ask(x: number, y: number): Promise<Answered> {
     const id = ++this.last;
     if (!this.dependencies.send(encodeDepthQuery(id, x, y))) return Promise.resolve({ answered: false });

@@ -80,7 +80,7 @@ export function encodeFile(order: FileOrder): Bytes[] {
   return [...keys, ...marks, encoded({ case: "file", value: request })];
 }
 
-/** The worker needs no letters, because it gets the text as a picture. */
+/** Encodes a mark with its text as an image, because the worker has no fonts. */
 const encodeFileMark = (mark: Mark, label: MarkLabel | null): Bytes =>
   encoded({
     case: "fileMark",

@@ -40,7 +40,7 @@ export const messageOf = ({ id, kind, colour, text, place, tail, radius }: Mark)
 
 const messagesOf = (marks: readonly Mark[]): Marks => create(MarksSchema, { items: marks.map(messageOf) });
 
-/** Leaves out those of a kind that this page does not know. */
+/** Converts marks, except those of a kind that this page does not know. */
 export function marksOf(marks: Marks | undefined): readonly Mark[] {
   return (marks?.items ?? []).flatMap((one) => {
     const kind = (Object.keys(kinds) as MarkKind[]).find((name) => kinds[name] === one.kind);
@@ -67,7 +67,7 @@ export const encodeMarkSightQuery = (): Bytes => encoded({ case: "markSight", va
 export const encodeHand = (on: boolean, of = ""): Bytes =>
   encoded({ case: "raiseHand", value: create(RaiseHandSchema, { on, of }) });
 
-/** The marks of the participants whose marks have changed. */
+/** Returns the marks of the participants whose marks have changed, by their numbers. */
 export const sharedMarksOf = ({ marks }: SharedState): readonly (readonly [number, readonly Mark[]])[] =>
   marks.map((one) => [one.number, marksOf(one.marks)] as const);
 
@@ -79,7 +79,7 @@ export interface Annotations {
 
 const annotationsMessage = ({ marks, measures }: Annotations) =>
   create(AnnotationsSchema, {
-    // The numbers do not depend on what else was shown.
+    // Numbered from 1, so that the content does not depend on what else was shown.
     marks: messagesOf(marks.map((mark, i) => ({ ...mark, id: i + 1 }))),
     measurements: measurementsOf(measures),
   });
@@ -87,7 +87,7 @@ const annotationsMessage = ({ marks, measures }: Annotations) =>
 export const annotationsToJson = (annotations: Annotations): JsonValue =>
   toJson(AnnotationsSchema, annotationsMessage(annotations));
 
-/** Returns null for anything else. */
+/** Parses saved annotations. Returns null if `json` does not contain any. */
 export function annotationsFromJson(json: unknown): Annotations | null {
   try {
     const { marks, measurements } = fromJson(AnnotationsSchema, json as JsonValue, { ignoreUnknownFields: true });

@@ -60,7 +60,7 @@ export type { ServerMessage };
 export const protocolVersion = 1;
 export const subprotocol = "diaphane.v1";
 
-/** In device pixels. */
+/** The size of the picture in device pixels. */
 export interface Viewport {
   readonly width: number;
   readonly height: number;
@@ -76,7 +76,7 @@ export function withinBounds(viewport: Viewport, most: number): Viewport {
 type Bytes = Uint8Array<ArrayBuffer>;
 const encoded = (message: ClientMessage): Bytes => toBinary(ClientMessageSchema, message);
 
-/** @throws if the bytes are not a ServerMessage. */
+/** Decodes a message of the server. @throws if the bytes are not a ServerMessage. */
 export const decodeServerMessage = (bytes: Uint8Array): ServerMessage => fromBinary(ServerMessageSchema, bytes);
 
 /** The formats that this browser can show. Each of them has been tested. */
@@ -99,7 +99,7 @@ export function encodeHello({ codecs, stills }: Abilities, pixelRatio: number, v
 export interface SceneChange {
   readonly scene?: Scene;
   readonly viewport?: Viewport;
-  /** The gesture has ended. */
+  /** Whether the gesture has ended. */
   readonly rest?: boolean;
   readonly effort?: Effort;
 }
@@ -159,7 +159,7 @@ export function encodeFreeCamera(on: boolean): Bytes {
   );
 }
 
-/** Whether guests of this session may see slices. */
+/** Lets guests of this session see slices, or no longer. */
 export function encodeGuestSlices(on: boolean): Bytes {
   return encoded(
     create(ClientMessageSchema, { body: { case: "guestSlices", value: create(GuestSlicesSchema, { on }) } }),
@@ -208,7 +208,10 @@ export function stacksOf(stacks: readonly SliceStack[]): readonly Stack[] {
   });
 }
 
-/** `x` and `y` range from 0 to 1, from the top left of the picture. */
+/**
+ * Encodes a query for the surface at a point. `x` and `y` range from 0 to 1, from the top left of
+ * the picture.
+ */
 export function encodeDepthQuery(id: bigint, x: number, y: number): Bytes {
   return encoded(
     create(ClientMessageSchema, { body: { case: "depthQuery", value: create(DepthQuerySchema, { id, x, y }) } }),
@@ -279,7 +282,10 @@ export function sameLook(a: Scene, b: Scene): boolean {
   return equals(TransferFunctionSchema, a.transferFunction, b.transferFunction);
 }
 
-/** Whether two scenes have the same JSON text, which does not tell -0 from 0. A scene that this tab stored is JSON. */
+/**
+ * Whether two scenes have the same JSON text, which does not distinguish -0 from 0. A scene that
+ * this tab stored is JSON.
+ */
 export const sameScene = (a: Scene, b: Scene): boolean => restored(a) === restored(b);
 
 const restored = (scene: Scene): string => sceneToJson(sceneFromJson(sceneToJson(scene)) ?? scene);
@@ -297,7 +303,7 @@ export const cameraToJson = (scene: Scene): string =>
 
 export const sceneToJson = (scene: Scene): string => toJsonString(SceneSchema, scene);
 
-/** Returns null if it is not a scene, because it is damaged or of another version. */
+/** Parses a scene. Returns null if the text is damaged or of another version. */
 export function sceneFromJson(json: string): Scene | null {
   try {
     return fromJsonString(SceneSchema, json);

@@ -34,7 +34,7 @@ export type PointerAt = { readonly x: number; readonly y: number } | { readonly 
 
 /** The pointer of another participant. Without a plane, it is on a surface in the picture. */
 export interface Pointer {
-  /** Participant.number */
+  /** `Participant.number` of the owner. */
   readonly number: number;
   readonly plane: Plane | null;
   readonly place: Vec3;
@@ -109,7 +109,7 @@ export function measurementsOf(measures: readonly Measure[]): Measurements {
 export const encodeMeasurements = (measures: readonly Measure[]): Bytes =>
   encoded({ case: "measurements", value: measurementsOf(measures) });
 
-/** Leaves out those of a kind that this page does not know. */
+/** Converts measurements, except those of a kind or plane that this page does not know. */
 export function measuresOf({ items }: Measurements): readonly Measure[] {
   return items.flatMap(({ kind, plane, slice, points }) => {
     const knownKind = measureKinds.find((one) => kinds[one] === kind);
@@ -120,7 +120,7 @@ export function measuresOf({ items }: Measurements): readonly Measure[] {
   });
 }
 
-/** Null: the pointer has left. */
+/** Encodes a move of this viewer's pointer. Null hides the pointer. */
 export function encodePointer(at: PointerAt | null): Bytes {
   const value = create(PointerMoveSchema);
   if (at && "plane" in at) {
@@ -135,7 +135,7 @@ export function encodePointer(at: PointerAt | null): Bytes {
 export const pointersOf = ({ pointers }: SharedState): readonly (Pointer & { readonly shown: boolean })[] =>
   pointers.map(({ number, shown, plane, x, y, z }) => ({ number, shown, plane: planeOf(plane), place: vec3(x, y, z) }));
 
-/** Whether guests may point. */
+/** Lets guests point, or no longer. */
 export const encodeGuestPointers = (on: boolean): Bytes =>
   encoded({ case: "guestPointers", value: create(GuestPointersSchema, { on }) });
 

@@ -1,8 +1,11 @@
-/** How long a server that owes an answer may be silent before it is probed, so that a loss is known within 3 s. */
+/**
+ * Time for which a server that owes an answer may be silent before it is probed, so that a loss is
+ * known within 3 s.
+ */
 const quietMs = 1200;
-/** How long a probe may take. */
+/** Time limit of a probe. */
 export const probeLimitMs = 1500;
-/** After a probe has succeeded the server is only slow, for example because it compiles. */
+/** The same after a successful probe: the server is only slow, for example because it compiles. */
 const slowMs = 5000;
 
 export interface SilenceDependencies {
@@ -10,7 +13,7 @@ export interface SilenceDependencies {
   readonly probe: () => Promise<boolean>;
   readonly after: (ms: number, task: () => void) => () => void;
   readonly nowMs: () => number;
-  /** Nothing was heard, and the server can't be reached. */
+  /** Called if no message has arrived and the server can't be reached. */
   readonly lost: () => void;
 }
 
@@ -27,13 +30,13 @@ export class SilenceWatch {
 
   constructor(private readonly dependencies: SilenceDependencies) {}
 
-  /** A message has arrived. */
+  /** Notes that a message has arrived. */
   messageReceived(): void {
     this.heardMs = this.dependencies.nowMs();
     this.waitMs = quietMs;
   }
 
-  /** Whether a message is due from now on. */
+  /** Sets whether a message is due from now on. */
   expect(due: boolean): void {
     if (due === this.due) return;
     this.due = due;
@@ -42,7 +45,10 @@ export class SilenceWatch {
     if (due) this.arm(this.waitMs);
   }
 
-  /** Probes now, because the browser has reported that the network is gone. It may be wrong about a server near by. */
+  /**
+   * Probes now, because the browser has reported that the network is gone, which may not apply to a
+   * server on this machine.
+   */
   check(): void {
     if (this.probing) return;
     this.probing = true;

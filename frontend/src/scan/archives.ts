@@ -11,7 +11,10 @@ export type ArchiveFormat = "zip" | "gzip" | "tar" | "other";
  */
 export type ArchiveFault = "encrypted" | "damaged" | "nested" | "large" | "format";
 
-/** What the archives of one choice may unpack to, so that a small file cannot fill the memory or the disk. */
+/**
+ * Limits on what the archives of one choice unpack to, so that a small file cannot fill the memory
+ * or the disk.
+ */
 export class Budget {
   constructor(
     private files = 100_000,
@@ -38,7 +41,7 @@ const noScans = ["META-INF/", "[Content_Types].xml", "_rels/", "mimetype", "Andr
 /** Recognises an archive by its first bytes, whatever its name. */
 export function archiveFormat(begin: Uint8Array): ArchiveFormat | null {
   const has = (at: number, ...wanted: readonly number[]) => wanted.every((byte, i) => begin[at + i] === byte);
-  if (has(0, 0x50, 0x4b, 5, 6)) return "zip"; // without a file
+  if (has(0, 0x50, 0x4b, 5, 6)) return "zip"; // an archive without files
   if (has(0, 0x50, 0x4b, 3, 4)) {
     const first = String.fromCharCode(...begin.subarray(30, 60));
     return noScans.some((name) => first.startsWith(name)) ? null : "zip";
@@ -98,7 +101,7 @@ async function* zipEntries(archive: Blob): AsyncGenerator<Piece | ArchiveFault> 
   await reader.close();
 }
 
-/** The part of the library that only lists has no reader of its own. */
+/** Adapts a Blob to the library, whose listing part has no reader for it. */
 function readerOf(archive: Blob): Reader<Blob> {
   const readUint8Array = async (at: number, length: number) =>
     new Uint8Array(await archive.slice(at, at + length).arrayBuffer());
@@ -121,14 +124,15 @@ async function gunzipped(archive: Blob, budget: Budget): Promise<Piece | Archive
 const block = 512;
 
 /**
- * A tar archive is a list of headers, each followed by its file. Own code, because a library would copy each file,
- * while these are ranges of the archive. Names are skipped, so only extended headers with a size matter.
+ * Lists the files of a tar archive: headers, each followed by its file. Implemented here, because a
+ * library would copy each file, while these are ranges of the archive. Names are skipped, so only
+ * extended headers with a size matter.
  */
 async function* tarEntries(archive: Blob): AsyncGenerator<Piece | ArchiveFault> {
   let longSize: number | null = null; // from an extended header, for the file after it
   for (let at = 0; at < archive.size;) {
     const header = new Uint8Array(await archive.slice(at, at + block).arrayBuffer());
-    if (header.every((byte) => byte === 0)) return; // the end
+    if (header.every((byte) => byte === 0)) return; // marks the end of the archive
     const kind = String.fromCharCode(header[156] ?? 0);
     const size: number | null = (isFile(kind) ? longSize : null) ?? numberAt(header, 124, 12);
     const from = at + block;
@@ -148,13 +152,16 @@ async function* tarEntries(archive: Blob): AsyncGenerator<Piece | ArchiveFault> 
 
 const longestExtendedHeader = 1024 * 1024;
 const isFile = (kind: string) => kind === "0" || kind === "\0" || kind === "7";
-/** An extended header (POSIX pax) contains lines such as "21 size=8589934592". */
+/**
+ * Returns the size in an extended header (POSIX pax), which contains lines such as "21
+ * size=8589934592".
+ */
 const sizeIn = (text: string): number | null => {
   const found = /(?:^|\n)\d+ size=(\d+)\n/.exec(text)?.[1];
   return found === undefined ? null : Number(found);
 };
 
-/** A number in octal digits, or in binary if its first bit is set (GNU tar). */
+/** Parses a number in octal digits, or in binary if its first bit is set (GNU tar). */
 function numberAt(header: Uint8Array, at: number, length: number): number | null {
   const bytes = header.subarray(at, at + length);
   if ((bytes[0] ?? 0) & 0x80) {

@@ -2,9 +2,9 @@ import { disguisedUid } from "./disguised_uid";
 import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./types";
 
 /**
- * What is uploaded of a slice: its voxels and a new header with only what a volume needs, so that names, dates, ID
- * numbers, comments and private elements never leave the browser. This is an allow-list: an element that it does not
- * name is not sent.
+ * The upload of a slice: its voxels and a new header with only what a volume needs, so that names,
+ * dates, ID numbers, comments and private elements never leave the browser. This is an allow-list:
+ * an element that it does not name is not sent.
  */
 
 /** Numbers and coded words, by type. Free text is not among them. */
@@ -127,7 +127,7 @@ export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptEle
   }
 }
 
-/** Integer strings. All other numbers here are decimal strings. */
+/** Tags with integer strings (IS). All other numbers here are decimal strings (DS). */
 const integerTags = new Set(["x00180086", "x00200012", "x00200013", "x00200100", "x00280008", "x00280034"]);
 const numberVr = (tag: string) => (integerTags.has(tag) ? "IS" : "DS");
 
@@ -151,8 +151,8 @@ export const groupedTags: Readonly<Record<string, readonly string[]>> = {
 };
 
 /**
- * Replaces the name of a stack, which can be any text, by its length and the sum of its character codes, so that equal
- * names stay equal.
+ * Replaces the name of a stack, which can be any text, by a small hash, so that equal names stay
+ * equal.
  */
 const disguised = (text: string): string =>
   String(Array.from(text).reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7));
@@ -177,7 +177,10 @@ export function uploadParts(slices: readonly SliceHeader[]): UploadPart[] {
   return [...files.values()].flatMap((ofFile, i) => uploadPart(ofFile, i + 1) ?? []);
 }
 
-/** `number` is the position of the file in the bundle, from 1. It replaces the identifiers. */
+/**
+ * Returns the upload of one file. `number` is its position in the bundle, from 1, which replaces
+ * the identifiers.
+ */
 function uploadPart(slices: readonly SliceHeader[], number: number): UploadPart | null {
   const slice = slices[0];
   const voxels = slice?.voxels;
@@ -221,8 +224,8 @@ function uploadPart(slices: readonly SliceHeader[], number: number): UploadPart 
 const frameGroupsTag = "x52009230";
 
 /**
- * PerFrameFunctionalGroupsSequence. The items of frames that were not chosen are empty, and the server skips these
- * frames.
+ * Returns PerFrameFunctionalGroupsSequence. The items of frames that were not chosen are empty, and
+ * the server skips these frames.
  */
 function frameGroups(slices: readonly SliceHeader[], implicit: boolean, little: boolean): Uint8Array {
   const chosen = new Map(slices.map((slice) => [slice.frame, slice]));

@@ -27,7 +27,7 @@ const patterns: readonly (readonly [Correction, RegExp])[] = [
   ["spacing", /slice to slice|spacing|distance/i],
 ];
 
-/** The kinds of these corrections, each once. An unknown sentence has no kind. */
+/** Returns the kinds of these corrections, each once. An unknown sentence has no kind. */
 export function correctionsOf(sentences: readonly string[]): Correction[] {
   const found = sentences.flatMap((sentence) => patterns.find(([, pattern]) => pattern.test(sentence))?.[0] ?? []);
   return [...new Set(found)];
@@ -70,7 +70,7 @@ const notes: readonly (readonly [RegExp, (figures: Figures) => Note])[] = [
   [/^the (?:inverted \(negative\) image was converted back|negative was inverted)$/, () => ({ kind: "negative" })],
 ];
 
-/** The correction that a sentence states, or null for an unknown sentence. */
+/** Returns the correction that a sentence states, or null for an unknown sentence. */
 export function noteOf(sentence: string): Note | null {
   for (const [pattern, make] of notes) {
     const found = pattern.exec(sentence);

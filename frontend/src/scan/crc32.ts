@@ -4,7 +4,7 @@ const table = Uint32Array.from({ length: 256 }, (_, byte) => {
   return sum;
 });
 
-/** The checksum of ZIP archives (ISO 3309). `before` is that of the bytes before these. */
+/** Returns the checksum of ZIP archives (ISO 3309). `before` is that of the bytes before these. */
 export function crc32(bytes: Uint8Array, before = 0): number {
   let sum = ~before;
   for (const byte of bytes) sum = (sum >>> 8) ^ (table[(sum ^ byte) & 255] ?? 0);

@@ -92,8 +92,8 @@ function guessForm(bytes: Uint8Array): Form | null {
 }
 
 /**
- * The parser does not know the value representation OV of the Extended Offset Table, and would misread what follows. OB
- * has the same layout.
+ * Renames the value representation OV of the Extended Offset Table, which the parser does not know
+ * and would misread, to OB, which has the same layout.
  */
 function renameLongOffsets(bytes: Uint8Array): void {
   for (let at = bytes.indexOf(0xe0); at >= 0; at = bytes.indexOf(0xe0, at + 1)) {

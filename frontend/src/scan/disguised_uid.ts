@@ -4,9 +4,9 @@ const made = new Map<string, string>();
 const mostMade = 100;
 
 /**
- * What is sent in place of the UID of a frame of reference: a hash of it, which tells whether two files belong together
- * but not which examination they come from (volume/frame_of_reference.h). It must not take a promise, because headers
- * are read one after another.
+ * Returns what is sent in place of the UID of a frame of reference: a hash, which shows whether two
+ * files belong together but not which examination they come from (volume/frame_of_reference.h).
+ * Synchronous, unlike the browser's own hashes, because the functions that read headers are.
  */
 export function disguisedUid(uid: string): string {
   if (uid === "" || uid.startsWith("2.25.")) return uid;

@@ -1,8 +1,8 @@
 import type { SliceHeader } from "./types";
 
 /**
- * Recognises the same files after a reload, so that their upload can be resumed. Only this number is stored. It reveals
- * no name and no identifier.
+ * Returns a number that identifies the same files after a reload, so that their upload can be
+ * resumed. Only this number is stored. It reveals no name and no identifier.
  */
 export function fingerprint(slices: readonly SliceHeader[]): string {
   return fingerprintOf(codesOf(slices));

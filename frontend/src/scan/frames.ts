@@ -36,7 +36,7 @@ function groupedOf(item: DataSet): GroupedElement[] {
   });
 }
 
-/** Values in the groups override those at the top of the file. */
+/** Returns the header of a frame. Values in the groups override those at the top of the file. */
 function withGroups(header: SliceHeader, grouped: readonly GroupedElement[]): SliceHeader {
   const text = (tag: string): string | null => {
     const found = grouped.findLast((one) => one.tag === tag);
@@ -73,6 +73,8 @@ function pixelsOf({ pixels, frame, rows, columns, bitsAllocated, samples }: Slic
   return pixels ? { offset: pixels.offset + frame * length, length } : null;
 }
 
-/** Its type refers to Node's Buffer, which does not exist in a browser. */
+/**
+ * Returns the bytes of a data set. Their type is Node's Buffer, which does not exist in a browser.
+ */
 // eslint-disable-next-line @typescript-eslint/no-unsafe-return
 export const bytesOf = (data: DataSet): Uint8Array => data.byteArray;

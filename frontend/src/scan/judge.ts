@@ -73,7 +73,7 @@ export function judge(all: readonly SliceHeader[]): Chosen | Unsuitable {
 const viewMarks = ["PROJECTION", "MIP", "MINIP", "ROTAT", "VRT"];
 const isView = (slice: SliceHeader) => slice.imageType.some((part) => viewMarks.some((mark) => part.includes(mark)));
 
-/** "MIXED" is decided frame by frame. */
+/** Whether a slice is an original. Files of type "MIXED" are decided frame by frame. */
 function isOriginal({ imageType: [first = "", second], isLossy }: SliceHeader): boolean {
   return (
     first === "" ||
@@ -83,7 +83,10 @@ function isOriginal({ imageType: [first = "", second], isLossy }: SliceHeader): 
   );
 }
 
-/** Case 7: removes objects that occur twice on the disc. Returns null if one identifier belongs to two positions. */
+/**
+ * Removes objects that occur twice on the disc (case 7). Returns null if one identifier belongs to
+ * two positions.
+ */
 function withoutDoubles(slices: readonly SliceHeader[]): SliceHeader[] | null {
   const seen = new Map<string, SliceHeader>();
   const kept: SliceHeader[] = [];
@@ -119,13 +122,19 @@ function judgeGeometry(slices: readonly SliceHeader[], leftOut: LeftOut): Chosen
   return judgeStack(even, { ...leftOut, scouts: leftOut.scouts + strangers, others });
 }
 
-/** In mm. Pixels of scanners lie far within these bounds. */
+/** Whether a pixel spacing in mm is plausible. Those of scanners lie far within these bounds. */
 const isPlausibleSpacing = (mm: number): boolean => mm >= 1e-3 && mm <= 100;
 
-/** Up to this many images in another direction are unmarked overview images. More are a separate series. */
+/**
+ * Maximum number of images in another direction that are unmarked overview images. More are a
+ * separate series.
+ */
 const mostStrangers = 3;
 
-/** Scales of real scans lie far within these limits, which are the same in ingest/dicom/classify.cpp. */
+/**
+ * Whether the scale of a slice is plausible. Those of real scans lie far within these limits, which
+ * are the same in ingest/dicom/classify.cpp.
+ */
 function isPlausibleScale(slice: SliceHeader): boolean {
   const size = Math.abs(slice.slope);
   if (!Number.isFinite(size) || !Number.isFinite(slice.intercept) || size < 1e-12) return false;
@@ -163,7 +172,10 @@ function judgeStack(slices: readonly SliceHeader[], leftOut: LeftOut): Chosen | 
   };
 }
 
-/** A file is sent as a whole, even if only some of its frames are chosen. */
+/**
+ * Whether a series exceeds the server's limits. A file is sent as a whole, even if only some of its
+ * frames are chosen.
+ */
 function isTooLarge(slices: readonly SliceHeader[]): boolean {
   if (slices.length > mostSlices) return true;
   const unpacked = new Map<number, number>();
@@ -173,7 +185,7 @@ function isTooLarge(slices: readonly SliceHeader[]): boolean {
   return slices.some((slice) => Math.max(sent(slice), unpacked.get(slice.file) ?? 0) > mostFileBytes);
 }
 
-/** Returns null if the two directions are not orthonormal. */
+/** Returns the axes of a slice, or null if its two directions are not orthonormal. */
 function axesOf(orientation: SliceHeader["orientation"]): Axes | null {
   if (!orientation) return null;
   const [a, b, c, d, e, f] = orientation;

@@ -16,7 +16,7 @@ export class LabelFileError extends Error {
   }
 }
 
-/** As the server allows (docs/bounds.toml). */
+/** Maximum size that the server accepts (docs/bounds.toml). */
 const mostBytes = 2 ** 30;
 
 /**
@@ -57,7 +57,9 @@ const labelClasses: readonly string[] = ["1.2.840.10008.5.1.4.1.1.66.4", "1.2.84
 const implicitLittle = "1.2.840.10008.1.2";
 const explicitLittle = "1.2.840.10008.1.2.1";
 
-/** Elements that are sent, at any depth. What they contain is numbers, except for the names of structures. */
+/**
+ * Elements that are sent, at any depth. They contain numbers, except for the names of structures.
+ */
 const keptTags = new Set([
   "x00080016", // SOPClassUID
   "x00180050", // SliceThickness

@@ -5,8 +5,8 @@
 const longestMs = 24;
 
 /**
- * For work in many small steps: call the returned function between steps and await its result, so that the page stays
- * responsive.
+ * Returns a function for loops of many small steps. Awaiting its result between steps keeps the
+ * page responsive.
  */
 export function pauses(): () => Promise<void> | undefined {
   let began = performance.now();

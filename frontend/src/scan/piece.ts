@@ -7,7 +7,10 @@ export interface Piece {
   readonly size: number;
   /** The file, or the part of the archive that contains it. */
   readonly blob: Blob;
-  /** How the file lies in a ZIP archive, where `blob` begins with its local header. Null if `blob` is the file. */
+  /**
+   * Its entry in a ZIP archive, where `blob` begins with its local header. Null if `blob` is the
+   * file.
+   */
   readonly zipped: Zipped | null;
 }
 
@@ -19,17 +22,17 @@ export interface Zipped {
 
 export const pieceOf = (blob: Blob): Piece => ({ size: blob.size, blob, zipped: null });
 
-/** Thrown if a file in an archive is not what the archive says. */
+/** Thrown if a file in an archive does not match its entry. */
 export class DamagedPiece extends Error {}
 
-/** Deflate adds at most a few bytes per 16 KB to what it cannot compress. */
+/** Margin for data that Deflate cannot compress, to which it adds a few bytes per 16 KB. */
 const slack = 64 * 1024;
 
 /** Reads the first bytes of a file, without unpacking the rest. Throws DamagedPiece. */
 export async function beginningOf(piece: Piece, most: number): Promise<Uint8Array<ArrayBuffer>> {
   const size = Math.min(most, piece.size);
   if (!piece.zipped) return bytesOf(piece.blob.slice(0, size));
-  // In a single read, because each takes the browser about two milliseconds.
+  // Reads all at once, because each read takes the browser about two milliseconds.
   const { isDeflated, packedSize } = piece.zipped;
   const read = await bytesOf(piece.blob.slice(0, 2 * size + 2 * slack));
   const begin = dataBegin(new DataView(read.buffer));
@@ -41,7 +44,10 @@ export async function beginningOf(piece: Piece, most: number): Promise<Uint8Arra
   return bytes;
 }
 
-/** In small chunks, so that the stream is cancelled before its input, which may be cut off, ends. */
+/**
+ * Streams bytes in small chunks, so that the stream is cancelled before its input, which may be cut
+ * off, ends.
+ */
 function inChunks(bytes: Uint8Array<ArrayBuffer>): ReadableStream<Uint8Array<ArrayBuffer>> {
   let at = 0;
   return new ReadableStream({
@@ -52,7 +58,7 @@ function inChunks(bytes: Uint8Array<ArrayBuffer>): ReadableStream<Uint8Array<Arr
   });
 }
 
-/** Returns the file. One that is compressed is unpacked and checked. Throws DamagedPiece. */
+/** Returns the file, which is decompressed and checked if necessary. Throws DamagedPiece. */
 export async function wholeOf({ blob, size, zipped }: Piece): Promise<Blob> {
   if (!zipped) return blob;
   const packed = await packedOf(blob, zipped);

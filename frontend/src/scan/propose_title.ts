@@ -1,14 +1,14 @@
 import { marksOfNames } from "./series_names";
 import type { Series } from "./types";
 
-/** As many characters as the server keeps. */
+/** Maximum number of characters that the server keeps. */
 const longest = 80;
-/** Shorter parts of a name, such as "de", occur in any text. */
+/** Minimum length of a part of a name. Shorter ones, such as "de", occur in any text. */
 const shortestNamePart = 3;
 
 const wordsOf = (text: string): string[] => text.toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? [];
 
-/** Whether a text of the scan contains part of the patient's name or their number. */
+/** Whether a text of the scan contains part of the patient's name or ID number. */
 function namesPatient(text: string, { name, id }: Series["patient"]): boolean {
   const found = new Set(wordsOf(text));
   return wordsOf(`${name} ${id}`).some((part) => part.length >= shortestNamePart && found.has(part));
@@ -17,10 +17,10 @@ function namesPatient(text: string, { name, id }: Series["patient"]): boolean {
 type Titled = Pick<Series, "description" | "bodyPart" | "modality" | "patient">;
 
 /**
- * A title for the person to change or keep: what the series shows and its date, in the words of the scan.
- * Empty where the scan says neither. A description that names the patient is left out.
- * @param date as this person writes dates, or empty.
- * @param mark tells the series from others with the same title, or is empty.
+ * Proposes a title, which the user can change: what the series shows and its date, in the words of
+ * the scan. Empty if the scan states neither. A description that names the patient is left out.
+ * @param date in the user's format, or empty.
+ * @param mark distinguishes the series from others with the same title, or is empty.
  */
 export function proposedTitle({ description, bodyPart, modality, patient }: Titled, date: string, mark = ""): string {
   const shown = [description, [modality, bodyPart].filter(Boolean).join(" ")]
@@ -30,7 +30,10 @@ export function proposedTitle({ description, bodyPart, modality, patient }: Titl
   return ((shown ?? "").slice(0, longest - end.length) + end).slice(0, longest);
 }
 
-/** The proposed titles of series by their keys. No two are the same, so that their cards can be told apart. */
+/**
+ * Returns the proposed titles of series by their keys. No two are the same unless they are empty,
+ * so that their cards can be told apart.
+ */
 export function proposedTitles(
   series: readonly (Titled & Pick<Series, "key" | "seriesNumber" | "date">)[],
   dateText: (date: string) => string,

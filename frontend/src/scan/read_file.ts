@@ -7,7 +7,7 @@ import type { SliceHeader } from "./types";
 
 /** 8 KB contain most CT headers, and 64 KB nearly all. The last step is a limit that no header reaches. */
 const steps = [8 * 1024, 64 * 1024, 256 * 1024, 64 * 1024 * 1024];
-/** The largest step that is taken without knowing that it is needed. */
+/** The largest initial step, even if the previous file needed a larger one. */
 const mostAtOnce = 2;
 const inflatedLimit = 16 * 1024 * 1024;
 
@@ -16,7 +16,7 @@ export class HeaderReader {
   /** The step that was sufficient for the previous file. */
   private usual = 0;
 
-  /** Never throws, because a bad file must not stop the scan. */
+  /** Reads the header of a file. Never throws, because a bad file must not stop the scan. */
   async read(file: Piece, index: number): Promise<HeaderRead> {
     try {
       for (let step = this.usual; step < steps.length; step++) {
@@ -66,7 +66,10 @@ async function readDeflated(packed: Blob, index: number): Promise<HeaderRead> {
 
 const mostFragments = 100_000;
 
-/** Compressed voxels end with their last fragment, and what follows is not sent. */
+/**
+ * Finds the end of compressed voxels, which is that of their last fragment. What follows is not
+ * sent.
+ */
 async function withEndOfFragments(
   piece: Piece,
   begin: Uint8Array<ArrayBuffer>,

@@ -12,7 +12,10 @@ const leastCover = 0.5;
 const thickness = ({ size, sizeMm }: Suitable): number => Math.round((10 * sizeMm[2]) / size[2]) / 10;
 const cover = ({ sizeMm }: Suitable): number => sizeMm[2];
 
-/** Thin slices give a smooth surface, and what is not covered can't be seen. Nothing to recommend where there is no choice. */
+/**
+ * Recommends the series with the thinnest slices, because they give a smooth surface, among those
+ * that show more than a detail. Returns null if there is no choice.
+ */
 export function recommend(series: readonly Series[]): Recommendation | null {
   const all = series.flatMap(({ key, verdict }) => (verdict.suitable ? [{ key, verdict }] : []));
   if (all.length < 2) return null;

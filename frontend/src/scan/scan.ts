@@ -15,10 +15,13 @@ const atOnce = 12;
 
 export type Progress = (done: number, total: number) => void;
 
-/** An archive in an archive in an archive is still opened, and one of those may be a compressed tar. */
+/** Maximum nesting of archives: three levels, one of which may be a compressed tar. */
 const mostNested = 4;
 
-/** Reads every file, whatever its name, also those in archives, and sorts the slices into series. */
+/**
+ * Reads every file, whatever its name and including those in archives, and sorts the slices into
+ * series.
+ */
 export async function scanFiles(
   given: readonly Blob[] | Arriving,
   progress: Progress,
@@ -63,7 +66,7 @@ interface Archive {
   readonly depth: number;
 }
 
-/** What is found in the chosen files, and then in the archives among them. */
+/** The search of the chosen files, and then of the archives among them. */
 class Search {
   readonly pieces: Piece[] = [];
   readonly headers: SliceHeader[] = [];
@@ -81,7 +84,7 @@ class Search {
     private readonly stopped: () => boolean,
   ) {}
 
-  /** Number of files that are not archives. */
+  /** Returns the number of files that are not archives. */
   get files(): number {
     return this.pieces.length - this.archives.length;
   }
@@ -135,7 +138,7 @@ class Search {
     return inside;
   }
 
-  /** A file that was packed alone, such as a scan in NIfTI, is known by the name of the packed one. */
+  /** Gives a file that was compressed alone, such as a scan in NIfTI, the name of its archive. */
   private namedLike({ index }: Archive, piece: Piece): Piece {
     const packed = this.pieces[index]?.blob;
     return packed instanceof File ? pieceOf(new File([piece.blob], packed.name)) : piece;
@@ -203,7 +206,10 @@ async function seriesOf(key: string, slices: readonly SliceHeader[], pieces: rea
   };
 }
 
-/** The headers stay in the worker, because the page does not need them and copying thousands of them takes long. */
+/**
+ * Returns the verdict without the headers, which the page does not need. Copying thousands of them
+ * is slow.
+ */
 const withoutSlices = ({ size, sizeMm, leftOut, repairs }: Chosen): Suitable => ({
   suitable: true,
   size,

@@ -3,8 +3,8 @@ import type { Series } from "./types";
 type Numbered = Pick<Series, "key" | "seriesNumber">;
 
 /**
- * What tells series of the same name apart, by their keys: their numbers, or for phases of one series their order.
- * Empty for a name that occurs once.
+ * Returns what distinguishes series of the same name, by their keys: their numbers, or for phases
+ * of one series their order. Empty for a name that occurs once.
  */
 export function marksOfNames<One extends Numbered>(
   series: readonly One[],
@@ -21,7 +21,7 @@ export function marksOfNames<One extends Numbered>(
   return marks;
 }
 
-/** A name for each series, by its key. No two are the same. */
+/** Returns a name for each series, by its key. No two are the same. */
 export function seriesNames(
   series: readonly Pick<Series, "key" | "description" | "fileName" | "seriesNumber">[],
   untitled: string,

@@ -44,7 +44,10 @@ const toleranceOf = (spacing: number) => Math.max(jitterMm, jitterShare * spacin
 const no = (reason: Reason, count = 0): Arranged => ({ volume: false, reason, count });
 const sum = (values: readonly number[]) => values.reduce((a, b) => a + b, 0);
 
-/** `pixel` is the smaller pixel spacing in mm. Precondition: at least two positions. */
+/**
+ * Arranges the slices at these positions. `pixel` is the smaller pixel spacing in mm. Precondition:
+ * at least two positions.
+ */
 export function arrange(positions: readonly Vector[], axes: Axes, pixel: number): Arranged {
   const placed = positions
     .map((at, index) => ({ at, index, along: dot(at, axes.normal) }))

@@ -14,7 +14,8 @@ const forms =
   /(\d{4})-(\d{1,2})-(\d{1,2})|(\d{1,2})([./])\s?(\d{1,2})\5\s?(\d{4})|(\d{1,2})\.? (\p{L}{3,})\.? (\d{4})|(\p{L}{3,})\.? (\d{1,2}),? (\d{4})/gu;
 
 /**
- * The last date in the title of a scan, which the page proposes and people change, as written in their language.
+ * Returns the last date in the title of a scan, as written in the user's language. The page
+ * proposes titles, and users change them.
  * @returns milliseconds since 1970, or null.
  */
 export function dateInTitle(title: string, locale: string): number | null {

@@ -23,7 +23,7 @@ export interface SliceHeader {
   readonly seriesNumber: number | null;
   readonly description: string;
   readonly bodyPart: string;
-  /** Of the series, or of the study: yyyymmdd, or empty. */
+  /** The date of the series, or else of the study, as yyyymmdd. May be empty. */
   readonly date: string;
   readonly rows: number;
   readonly columns: number;
@@ -59,7 +59,10 @@ export interface SliceHeader {
   } | null;
   /** The elements that may be sent besides the voxels. */
   readonly kept: readonly KeptElement[];
-  /** The same for the functional groups that describe this frame of an enhanced file. */
+  /**
+   * The elements that may be sent of the functional groups that describe this frame of an enhanced
+   * file.
+   */
   readonly grouped: readonly GroupedElement[];
   /** Whether the file ends before its voxels do. */
   readonly truncated: boolean;
@@ -189,7 +192,10 @@ export interface Thumbnail {
 export interface Series {
   readonly key: string;
   readonly description: string;
-  /** Of a research file that was chosen, to tell it from others on the page. It may name the patient. Otherwise empty. */
+  /**
+   * The name of a chosen research file, which distinguishes it from others on the page and may name
+   * the patient. Otherwise empty.
+   */
   readonly fileName: string;
   readonly bodyPart: string;
   /** yyyymmdd, or empty. */
@@ -202,7 +208,7 @@ export interface Series {
   readonly thumbnail: Thumbnail | null;
   /** Empty for an unsuitable series. */
   readonly upload: UploadPlan;
-  /** The same for the same files. It reveals nothing about them. */
+  /** Identifies the same files after a reload. It reveals nothing about them. */
   readonly fingerprint: string;
 }
 
@@ -216,7 +222,7 @@ export interface ScanResult {
   readonly unreadable: number;
   /** Reports, screenshots, plans and other files without slices, which are never listed. */
   readonly notSlices: number;
-  /** Including those in archives, but not the archives. */
+  /** Number of files, including those in archives but not the archives. */
   readonly files: number;
 }
 

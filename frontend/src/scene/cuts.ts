@@ -23,7 +23,10 @@ export const leastSideMm = 1;
 export const windowWidthLimits: Limits = { low: 1, high: 100_000 };
 export const windowCentreLimits: Limits = { low: -100_000, high: 100_000 };
 
-/** By default, light passes through the parts that are cut away, or the inside would be black. */
+/**
+ * Returns the clip of the scene. By default, light passes through the parts that are cut away, or
+ * the inside would be black.
+ */
 const clipOf = (scene: Scene): Clip => scene.clip ?? create(ClipSchema, { cutsLight: true });
 const message = (v: Vec3) => create(Vec3Schema, v);
 const vector = (v: { readonly x: number; readonly y: number; readonly z: number } | undefined): Vec3 =>
@@ -35,7 +38,7 @@ export function boxOf(scene: Scene, bounds: Box): Box {
   return boxLow && boxHigh ? { low: vector(boxLow), high: vector(boxHigh) } : bounds;
 }
 
-/** Limits of a face: it must not pass the opposite face or leave the volume. */
+/** Returns the limits of a face, which must not pass the opposite face or leave the volume. */
 export function faceLimits(scene: Scene, bounds: Box, axis: Axis, side: Side): Limits {
   const box = boxOf(scene, bounds);
   return side === "low"
@@ -68,7 +71,7 @@ export const setShowsTable = (scene: Scene, showTable: boolean): Scene => ({ ...
  * from the middle.
  */
 export interface Plane extends Direction {
-  /** mm. */
+  /** Distance from the middle in mm. */
   readonly offset: number;
 }
 
@@ -87,7 +90,10 @@ function messageOf(plane: Plane): ClipPlane {
 /** Returns the unit normal, which points to the side that is cut away. */
 export const normalOf = (plane: Direction): Vec3 => ofPatient(unitOf(plane));
 
-/** Half of the box's diagonal. Beyond it, a plane cuts away nothing or everything. */
+/**
+ * Returns half of the box's diagonal. A plane at a greater distance cuts away nothing or
+ * everything.
+ */
 export const reachOf = ({ low, high }: Box): number => Math.hypot(high.x - low.x, high.y - low.y, high.z - low.z) / 2;
 
 export const addPlane = (scene: Scene): Scene => {
@@ -127,7 +133,7 @@ export type SliceName = "sagittal" | "coronal" | "axial";
 export const sliceAxes: Readonly<Record<SliceName, Axis>> = { sagittal: "x", coronal: "y", axial: "z" };
 export const sliceNames: readonly SliceName[] = ["axial", "coronal", "sagittal"];
 
-/** The grey window stored in the scan, or a soft-tissue window. */
+/** The grey window stored in the scan. Its width is 0 if there is none. */
 export interface Grey {
   readonly centre: number;
   readonly width: number;
@@ -137,14 +143,17 @@ export const slicesOf = (scene: Scene): Slices => scene.slices ?? create(SlicesS
 
 export const showsSlices = (slices: Slices): boolean => sliceNames.some((name) => slices[name]?.shown);
 
-/** Adds a window to grey slices, because the server refuses a scene with slices without one. */
+/**
+ * Adds a window, by default one for soft tissue, because the server refuses a scene with slices
+ * without one.
+ */
 function windowed(slices: Slices, grey: Grey): Slices {
   if (slices.windowWidth >= windowWidthLimits.low) return slices;
   const width = grey.width > 0 ? clamp(grey.width, windowWidthLimits.low, windowWidthLimits.high) : 400;
   return { ...slices, windowCentre: grey.width > 0 ? grey.centre : 40, windowWidth: width };
 }
 
-/** Without any slice, showing only the slices would give an empty picture. */
+/** Turns off showing only the slices if there are none, because the picture would be empty. */
 function notEmpty(slices: Slices): Slices {
   return slices.alone && !showsSlices(slices) ? { ...slices, alone: false } : slices;
 }

@@ -11,14 +11,17 @@ export interface Direction {
   readonly up: number;
 }
 
-/** x points to the right, y up, and z to the viewer. */
+/** Returns the unit vector of a direction: x points to the right, y up, and z to the viewer. */
 export function unitOf({ right, up }: Direction): Vec3 {
   const r = radians(right),
     u = radians(up);
   return vec3(Math.sin(r) * Math.cos(u), Math.sin(u), Math.cos(r) * Math.cos(u));
 }
 
-/** Straight above or below, `right` is undefined and keeps its previous value. */
+/**
+ * Returns the direction of a point. Straight above or below, `right` is undefined and becomes
+ * `otherwise`.
+ */
 export function directionOf(place: Vec3, otherwise = 0): Direction {
   const n = normalize(place, vec3(0, 0, 1));
   const upright = Math.hypot(n.x, n.z) < 1e-9;

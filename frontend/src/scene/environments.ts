@@ -34,7 +34,10 @@ const withEnvironment = (scene: Scene, index: number, edit: (light: EnvironmentL
   };
 };
 
-/** Lights the scene by a stored environment instead of a texture, or by neither. The brightness stays. */
+/**
+ * Lights the scene by a stored environment instead of a texture, or with an empty ID by neither.
+ * The brightness stays.
+ */
 export const setStored = (scene: Scene, index: number, id: string): Scene =>
   withEnvironment(scene, index, ({ radiance, rotationDegrees }) =>
     create(EnvironmentLightSchema, { ...(radiance ? { radiance } : {}), rotationDegrees, stored: id }),

@@ -4,12 +4,15 @@ import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb"
 import { hexOf, rgbOf } from "./colour";
 import { within } from "./numbers";
 
-/** How the labels of a scan are shown. A label without a look is shown as the matter that it is. */
+/**
+ * How the labels of a scan are shown. A label without a look is shown like the material at its
+ * place.
+ */
 
-/** The number of the voxels that belong to no label. */
+/** The label number of voxels that belong to no label. */
 export const unlabelled = 0;
 
-/** The colour that the file of labels suggests. */
+/** Returns the colour that the file of labels suggests. */
 export const suggestedColour = ({ colour }: Pick<Label, "colour">): Rgb =>
   rgbOf(`#${colour.toString(16).padStart(6, "0")}`);
 
@@ -52,7 +55,7 @@ const isColoured = (scene: Scene, { number }: Label): boolean => lookOf(scene, n
 export const areColoured = (scene: Scene, labels: readonly Label[]): boolean =>
   labels.some((label) => isColoured(scene, label));
 
-/** Gives the labels without a colour the one of their file, or takes the colours away from all. */
+/** Gives labels without a colour the one of their file, or removes the colours of all. */
 export const setColoured = (scene: Scene, labels: readonly Label[], coloured: boolean): Scene =>
   labels.reduce(
     (now, label) =>
@@ -66,6 +69,6 @@ export const setColoured = (scene: Scene, labels: readonly Label[], coloured: bo
     scene,
   );
 
-/** The colour that stands for a label in a list: its own, or the one that its file suggests. */
+/** Returns the colour of a label in a list: its own, or the one that its file suggests. */
 export const shownColour = (scene: Scene, label: Label): string =>
   hexOf(lookOf(scene, label.number)?.colour ?? suggestedColour(label));

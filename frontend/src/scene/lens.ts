@@ -49,7 +49,7 @@ export function setOrthographic(scene: Scene, on: boolean): Scene {
   return { ...scene, camera: { ...scene.camera, verticalFovDegrees, orthographicHeight } };
 }
 
-/** `radius` is in mm. With 0, everything is sharp. */
+/** Sets the radius of the aperture in mm. With 0, everything is sharp. */
 export const setAperture = (scene: Scene, radius: number): Scene =>
   scene.camera
     ? {
@@ -58,7 +58,7 @@ export const setAperture = (scene: Scene, radius: number): Scene =>
       }
     : scene;
 
-/** `distance` is in mm from the eye. With null, the focus stays on the target. */
+/** Sets the focus in mm from the eye. With null, it stays on the target. */
 export const setFocus = (scene: Scene, distance: number | null): Scene =>
   scene.camera
     ? {
@@ -70,7 +70,7 @@ export const setFocus = (scene: Scene, distance: number | null): Scene =>
       }
     : scene;
 
-/** An aperture with a visible depth of field: a fiftieth of the distance. */
+/** Returns an aperture with a visible depth of field: a fiftieth of the distance. */
 const seenAperture = (distance: number): number => clamp(distance / 50, 1, 20);
 
 /** Focuses at a distance in mm. Opens the aperture if it is a pinhole, with which everything is sharp. */
@@ -89,7 +89,7 @@ export function focusOf(scene: Scene): { readonly distance: number; readonly mid
 
 const displayOf = (scene: Scene): Display => scene.display ?? create(DisplaySchema);
 
-/** In stops. Each stop doubles the brightness. */
+/** Sets the exposure in stops. Each stop doubles the brightness. */
 export const setExposure = (scene: Scene, stops: number): Scene => {
   const old = displayOf(scene);
   return { ...scene, display: { ...old, exposure: within(stops, exposureLimits, old.exposure) } };
@@ -116,7 +116,7 @@ export const showEnvironment = (scene: Scene, on: boolean): Scene => ({
   display: { ...displayOf(scene), showEnvironment: on },
 });
 
-/** 0 in a scene means 1. */
+/** Returns the number of bounces. 0 in a scene means 1. */
 export const bouncesOf = (scene: Scene): number => Math.max(1, scene.bounces);
 export const setBounces = (scene: Scene, bounces: number): Scene => ({
   ...scene,
@@ -139,7 +139,7 @@ export const setGradient = (scene: Scene, gradient: number): Scene => ({
   },
 });
 
-/** A clearly visible g of Henyey-Greenstein. */
+/** The initial g of the Henyey-Greenstein phase function, whose effect is clearly visible. */
 export const firstForward = 0.5;
 
 export const setForward = (scene: Scene, g: number): Scene => {

@@ -9,7 +9,7 @@ export const vector = (v: { readonly x: number; readonly y: number; readonly z: 
   v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0);
 export const message = (v: Vec3) => create(Vec3Schema, v);
 
-/** Returns the centre. Null for the environment, which has no position. */
+/** Returns the centre of a light. Null for the environment, which has no position. */
 export function middleOf(light: Light): Vec3 | null {
   const { shape } = light;
   switch (shape.case) {
@@ -29,7 +29,7 @@ export function middleOf(light: Light): Vec3 | null {
   }
 }
 
-/** The direction in which a one-sided light shines. Null for the others. */
+/** Returns the direction in which a one-sided light shines. Null for the others. */
 function normalOf({ shape }: Light): Vec3 | null {
   if (shape.case === "rectangle") return cross(vector(shape.value.u), vector(shape.value.v));
   return shape.case === "disk" ? vector(shape.value.normal) : null;
@@ -56,11 +56,11 @@ export function targetAlong(light: Light, normal: Vec3): Target | null {
   if (along <= 1e-3 * length(normal)) return null;
   const target = add(middle, scale(normal, length(middle) / along));
   const [left, up] = across(facing, upright(light));
-  const rounded = (mm: number) => Math.round(mm * 1e6) / 1e6 + 0; // + 0 makes -0 a 0
+  const rounded = (mm: number) => Math.round(mm * 1e6) / 1e6 + 0; // + 0 turns -0 into 0
   return { right: rounded(-dot(target, left)), up: rounded(dot(target, up)) };
 }
 
-/** Returns null for a light that shines in all directions. */
+/** Returns the target of a light. Null for a light that shines in all directions. */
 export function targetOf(light: Light): Target | null {
   const normal = normalOf(light);
   return normal && (targetAlong(light, normal) ?? atMiddle);
@@ -102,7 +102,10 @@ export function placed(light: Light, towards: Vec3, distance: number, target = t
   }
 }
 
-/** The surface of a box, which stands for the light that it sends in all directions. */
+/**
+ * Returns the surface area of a box with these edges, which is proportional to the light that it
+ * emits in all directions.
+ */
 export function surfaceOf(u: Vec3, v: Vec3, w: Vec3): number {
   return 2 * (length(cross(u, v)) + length(cross(v, w)) + length(cross(w, u)));
 }

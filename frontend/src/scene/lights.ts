@@ -55,7 +55,10 @@ export function placeOf(light: Light): Place | null {
   return { ...directionOf(seen), distance: length(middle) };
 }
 
-/** Returns the direction of a light as seen in the picture. The front is towards the viewer. */
+/**
+ * Returns the direction of a light as seen in the picture. The front is towards the viewer. Null
+ * for the environment.
+ */
 export function seenDirection(light: Light, pose: CameraPose): Direction | null {
   const middle = middleOf(light);
   return middle && directionOf(light.cameraLocked ? middle : fromWorld(pose, middle, true));
@@ -95,7 +98,9 @@ export const turnLight = (scene: Scene, index: number, to: Partial<Target>): Sce
     return placed(light, normalize(middle, vec3(0, 0, 1)), length(middle), target);
   });
 
-/** Turns a light to a point of the world. Null if the point is not in front of the light, so that it cannot. */
+/**
+ * Turns a light to a point of the world. Returns null if the point is not in front of the light.
+ */
 export function turnLightTo(scene: Scene, index: number, pose: CameraPose, point: Vec3): Scene | null {
   const light = scene.lights[index];
   const middle = light && middleOf(light);
@@ -104,7 +109,10 @@ export function turnLightTo(scene: Scene, index: number, pose: CameraPose, point
   return target && turnLight(scene, index, target);
 }
 
-/** Returns the width of a square or box relative to its height, and for a box also its depth. Null for round lights. */
+/**
+ * Returns the width of a rectangle or box relative to its height, and for a box also its depth.
+ * Null for round lights.
+ */
 export function aspectOf({ shape }: Light): { readonly width: number; readonly depth: number | null } | null {
   if (shape.case !== "rectangle" && shape.case !== "box") return null;
   const height = length(vector(shape.value.v));
@@ -114,7 +122,10 @@ export function aspectOf({ shape }: Light): { readonly width: number; readonly d
   };
 }
 
-/** Changes the proportions of a light and keeps its brightness on the patient. A square also keeps its area. */
+/**
+ * Changes the proportions of a light and keeps its brightness on the patient. A rectangle also
+ * keeps its area.
+ */
 export const shapeLight = (scene: Scene, index: number, to: { readonly width?: number; readonly depth?: number }) =>
   withLight(scene, index, (light) => {
     const { shape } = light;
@@ -210,7 +221,7 @@ export const colourLight = (scene: Scene, index: number, hue: Rgb): Scene =>
     return { ...light, shape: { case: light.shape.case, value } as Light["shape"] };
   });
 
-/** 0 in a scene means 1. */
+/** Returns the intensity of a light. 0 in a scene means 1. */
 export const intensityOf = (light: Light): number => (light.intensity === 0 ? 1 : light.intensity);
 
 export const dimLight = (scene: Scene, index: number, intensity: number): Scene =>
@@ -261,7 +272,7 @@ export function lockLight(scene: Scene, index: number, locked: boolean, pose: Ca
 /** Irradiance at the middle of a new light with intensity 1, so that all shapes start equally bright. */
 const irradiance = 8;
 
-/** The area of a new light of size 1 as the middle sees it. */
+/** Area of a new light of size 1, projected towards the middle. */
 const areaSeen: Readonly<Record<Shape, (towards: Vec3) => number>> = {
   rectangle: () => 1,
   disk: () => Math.PI / 4,

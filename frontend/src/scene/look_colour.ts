@@ -4,7 +4,10 @@ import { channelsOf } from "./transfer";
 
 const strongestOpacity = (channel: Channel): number => Math.max(0, ...channel.opacity.map(({ opacity }) => opacity));
 
-/** The colour that stands for a look where there is no picture of it: that of its first clearly visible material. */
+/**
+ * Returns the colour that represents a look without a picture: that of its first clearly visible
+ * material.
+ */
 export function lookColour(scene: Scene | undefined): string | null {
   const shown = scene ? channelsOf(scene).filter(({ disabled }) => !disabled) : [];
   const most = Math.max(0, ...shown.map(strongestOpacity));

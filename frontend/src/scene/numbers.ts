@@ -32,8 +32,8 @@ export function typedNumber(text: string, { low, high }: Limits): number | null 
 }
 
 /**
- * Formats a number as short as possible: rounded to an integer if it is 1000 or more, else with this many significant
- * digits and no trailing zeros.
+ * Formats a number as briefly as possible: rounded to an integer if it is 1000 or more, else with
+ * this many significant digits and no trailing zeros.
  */
 export const shortNumber = (value: number, digits = 4): string => {
   const rounded = Math.abs(value) >= 1000 ? Math.round(value) : Number(value.toPrecision(digits));

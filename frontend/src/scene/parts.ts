@@ -29,7 +29,7 @@ function taken(scene: Scene, begun: Scene, fields: readonly (keyof Scene)[]): Sc
   return to as unknown as Scene;
 }
 
-/** Takes over the lens, but not the position of the eye. */
+/** Returns `scene` with the lens of `begun`, but not its eye position. */
 function withLensOf(scene: Scene, begun: Scene): Scene {
   if (!scene.camera || !begun.camera) return scene;
   const { verticalFovDegrees, orthographicHeight, apertureRadius, focalDistance } = begun.camera;

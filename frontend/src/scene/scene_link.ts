@@ -8,12 +8,12 @@ import { patternOf, setTexture, textureOf, type TextureFiles } from "./textures"
 import { longestName } from "./transfer";
 
 /**
- * A scene in the fragment of a URL, which servers never see: version, point, deflated Protobuf in base64url. Marks and
- * measurements may follow after another point.
+ * A scene in the fragment of a URL, which servers never see: the version, a dot, and deflated
+ * Protobuf in base64url. Marks and measurements may follow after another dot.
  */
 const version = 1;
 const pattern = /^#view=(\d{1,4})\.([A-Za-z0-9_-]+)(?:\.([A-Za-z0-9_-]+))?$/;
-/** Maximum length of the URL that mail programs and messengers keep intact. */
+/** Maximum length of the fragment, so that mail programs and messengers keep the URL intact. */
 const mostText = 8192;
 /** Limit of the inflated scene. The server accepts 64 KB. */
 const mostBytes = 65_536;
@@ -72,7 +72,10 @@ export async function linkOf(
   return end !== "whole" || text.length > mostText ? null : text;
 }
 
-/** Accepts any text. Whether the scene is valid is for the renderer to decide. */
+/**
+ * Parses the fragment of a URL, which may be any text. The renderer decides whether the scene is
+ * valid.
+ */
 export async function sceneOfLink(hash: string, files: TextureFiles): Promise<LinkedScene> {
   if (!hash.startsWith("#view=")) return { kind: "none" };
   const [, linkVersion = "", text = "", marks = ""] = pattern.exec(hash) ?? [];

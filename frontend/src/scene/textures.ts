@@ -11,7 +11,10 @@ export const lampTextures = ["soft", "ring", "window", "blinds"] as const;
 export const skyTextures = ["horizon", "studio", "evening"] as const;
 export type TextureName = (typeof lampTextures)[number] | (typeof skyTextures)[number];
 
-/** Those that a lamp can show on its surface. The others are seen only where a lamp projects them. */
+/**
+ * Patterns that a lamp can show on its surface. The others are visible only where a lamp projects
+ * them.
+ */
 const surfaceTextures = ["soft", "ring"] as const;
 const isOnSurface = (name: TextureName | undefined): boolean =>
   (surfaceTextures as readonly (TextureName | undefined)[]).includes(name);
@@ -43,13 +46,16 @@ export const textureFits = (scene: Scene, index: number, bytes: number): boolean
   scene.lights.reduce((sum, light, i) => sum + (i === index ? 0 : (textureOf(light)?.length ?? 0)), bytes) <=
   mostTextureBytes;
 
-/** How much of the height of the picture a projected pattern covers, so that no part of the patient is beside it. */
+/**
+ * Fraction of the picture's height that a projected pattern covers, so that no part of the patient
+ * is beside it.
+ */
 const coveredPart = 0.8;
 
 /**
- * Returns the angle in which a lamp projects a pattern over what the picture shows, in degrees. 0 leaves the pattern
- * on the surface of the lamp. From there, it only dims the light, because every point of the patient sees all of it.
- * `name` is undefined for the user's own image.
+ * Returns the angle over which a lamp projects a pattern onto what the picture shows, in degrees. 0
+ * leaves the pattern on the surface of the lamp. From there, it only dims the light, because every
+ * point of the patient sees all of it. `name` is undefined for the user's own image.
  */
 export function projectionFor(scene: Scene, light: Light, name: TextureName | undefined): number {
   const pose = cameraOf(scene);
@@ -92,11 +98,13 @@ export const withoutTextures = (scene: Scene): Scene =>
 export interface Pixels {
   readonly width: number;
   readonly height: number;
-  /** sRGB, opaque, rows from the top. */
+  /** Opaque sRGB pixels, rows from the top. */
   readonly rgba: Uint8ClampedArray<ArrayBuffer>;
 }
 
-/** A texture of the environment is twice as wide as high (docs/scenes.md). */
+/**
+ * Draws a built-in pattern. A texture of the environment is twice as wide as high (docs/scenes.md).
+ */
 export function texturePixels(name: TextureName): Pixels {
   const height = 48,
     width = (skyTextures as readonly string[]).includes(name) ? 2 * height : height;
@@ -114,7 +122,7 @@ export function texturePixels(name: TextureName): Pixels {
 
 type Colour = readonly [number, number, number];
 const grey = (value: number): Colour => [value, value, value];
-/** Falls from 1 at `edge` to 0 at `edge` + `soft`. */
+/** Returns a value that falls from 1 at `edge` to 0 at `edge` + `soft`. */
 const until = (value: number, edge: number, soft: number): number => clamp(1 - (value - edge) / soft, 0, 1);
 const mixed = (a: Colour, b: Colour, part: number): Colour => [
   a[0] + (b[0] - a[0]) * part,
@@ -122,7 +130,7 @@ const mixed = (a: Colour, b: Colour, part: number): Colour => [
   a[2] + (b[2] - a[2]) * part,
 ];
 const fromMiddle = (u: number, v: number): number => 2 * Math.hypot(u - 0.5, v - 0.5);
-/** A bright area of a sky around (u, v). */
+/** Returns the brightness at (u, v) of a bright area of the sky around (atU, atV). */
 const field = (u: number, v: number, atU: number, atV: number): number =>
   until(Math.max(Math.abs(u - atU) * 2, Math.abs(v - atV)), 0.12, 0.06);
 

@@ -41,12 +41,15 @@ function withChannel(scene: Scene, index: number, edit: (channel: Channel) => Ch
 const withPoints = (channel: Channel, opacity: OpacityPoint[]): Channel => ({ ...channel, opacity });
 const point = (value: number, opacity: number): OpacityPoint => create(OpacityPointSchema, { value, opacity });
 
-/** A point stays between its neighbours. The first and the last may move to the limits of the protocol. */
+/**
+ * Returns the limits of a point, which stays between its neighbours. The first and the last may
+ * move to the limits of the protocol.
+ */
 export function pointLimits(channel: Channel, index: number): Limits {
   const below = channel.opacity[index - 1]?.value;
   const above = channel.opacity[index + 1]?.value;
   const here = channel.opacity[index]?.value ?? 0;
-  // Where points are already closer together, half of the remaining distance.
+  // Where points are already closer together, the gap is half of the remaining distance.
   const gap = (to: number | undefined) => (to === undefined ? 0 : Math.min(leastGap, Math.abs(here - to) / 2));
   return {
     low: below === undefined ? valueLimits.low : below + gap(below),
@@ -105,13 +108,16 @@ export function roomiestValue(channel: Channel): number {
   return middle;
 }
 
-/** A channel keeps at least two points. */
+/** Removes a point, but keeps at least two per channel. */
 export const removePoint = (scene: Scene, channel: number, index: number): Scene =>
   withChannel(scene, channel, (one) =>
     one.opacity.length <= 2 || !one.opacity[index] ? one : withPoints(one, without(one.opacity, index)),
   );
 
-/** Zero outside the first and the last point, and linear between points. */
+/**
+ * Returns the opacity of a value: zero outside the first and the last point, and linear between
+ * points.
+ */
 export function opacityAt(channel: Channel, value: number): number {
   const above = channel.opacity.findIndex((p) => p.value >= value);
   const right = channel.opacity[above],
@@ -146,7 +152,7 @@ const freshColours = [
   [0.4, 0.8, 0.8],
 ] as const;
 
-/** Adds a triangle over the middle of the values. */
+/** Adds a channel with a triangle over the middle of the values. */
 export function addChannel(scene: Scene, name: string, range: Limits): Scene {
   const channels = channelsOf(scene);
   if (channels.length >= mostChannels) return scene;
@@ -158,7 +164,7 @@ export function addChannel(scene: Scene, name: string, range: Limits): Scene {
   return withChannels(scene, [...channels, create(ChannelSchema, { name, diffuse: rgb(r, g, b), opacity })]);
 }
 
-/** A transfer function keeps at least one channel. */
+/** Removes a channel, but keeps at least one. */
 export const removeChannel = (scene: Scene, index: number): Scene =>
   channelsOf(scene).length <= 1 || !channelsOf(scene)[index]
     ? scene

@@ -1,10 +1,10 @@
 import type { Area, Point } from "../input/flat";
 
 export const lineHeight = 16;
-/** From the top of a line to its baseline. */
+/** Distance from the top of a line to its baseline. */
 const ascent = 12;
 const gap = 9;
-/** An average of digits and letters, on the safe side. */
+/** Average width of digits and letters, rounded up to be safe. */
 const characterWidth = 7.6;
 
 /** The text beside a measurement, and what it stands beside: the outline of an ellipse, or a point. */
@@ -13,7 +13,7 @@ export interface Label {
   readonly beside: readonly Point[];
 }
 
-/** Where the first line of a label begins, ends or has its middle. */
+/** The anchor of a label's first line: where it begins, ends or has its middle. */
 export interface LabelPlace {
   readonly x: number;
   readonly y: number;
@@ -28,7 +28,7 @@ interface Box {
   readonly anchor: LabelPlace["anchor"];
 }
 
-/** Returns where each label stands. Each one keeps clear of those before it, as long as there is room. */
+/** Returns the place of each label. Each avoids those before it as long as there is room. */
 export function labelPlaces(labels: readonly Label[], area: Area): readonly LabelPlace[] {
   const taken: Box[] = [];
   return labels.map((label) => {
@@ -70,13 +70,15 @@ const within = (box: Box, { width, height }: Area): Box => ({
   top: Math.max(4, Math.min(box.top, height - box.height)),
 });
 
-/** Returns null where the edge would move a label onto what it stands beside. */
+/**
+ * Keeps a box inside the view. Returns null if that would move a label onto what it stands beside.
+ */
 function alongside(box: Box, area: Area): Box | null {
   const moved = within(box, area);
   return (box.anchor === "middle" ? moved.top === box.top : moved.left === box.left) ? moved : null;
 }
 
-/** The same places, line by line further down and up. */
+/** Returns the same boxes, moved down and up line by line. */
 function shifted(boxes: readonly Box[], area: Area): readonly Box[] {
   const steps = Math.ceil(area.height / lineHeight);
   return Array.from({ length: steps }, (_, i) => (i + 1) * lineHeight).flatMap((by) =>

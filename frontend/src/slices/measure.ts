@@ -6,15 +6,15 @@ export type MeasureKind = (typeof measureKinds)[number];
 const pointsOf: Readonly<Record<MeasureKind, number>> = { ruler: 2, angle: 3, ellipse: 2 };
 
 /**
- * Points in world space (mm) within one slice. The second point of an angle is its vertex. Those of an ellipse are two
- * opposite corners of the rectangle around it.
+ * A measurement by points in world space (mm) within one slice. The second point of an angle is its
+ * vertex. Those of an ellipse are two opposite corners of the rectangle around it.
  */
 export interface Measure {
   readonly kind: MeasureKind;
   readonly plane: Plane;
   readonly slice: number;
   readonly points: readonly Vec3[];
-  /** The saved set that it belongs to. Absent: it is not saved. */
+  /** The saved set that the measurement belongs to. Absent if it is not saved. */
   readonly set?: string;
 }
 
@@ -94,7 +94,7 @@ export function withHandle(stack: Stack, measure: Measure, handle: number, to: V
   };
 }
 
-/** A handle of a measurement, by their indices. */
+/** A handle of a measurement, by the indices of both. */
 export interface Held {
   readonly measure: number;
   readonly handle: number;

@@ -13,7 +13,7 @@ export const firstOverlay: OverlaySetting = { shown: false, strength: 0.5 };
 
 /** The state of the slice views of a volume that survives a reload. */
 export interface RememberedSlices {
-  /** The volume that it belongs to. */
+  /** The content hash of the volume, or its stacks as JSON. */
   readonly volume: string;
   readonly open: boolean;
   readonly crosshair: Vec3;
@@ -23,7 +23,7 @@ export interface RememberedSlices {
   readonly overlay: OverlaySetting;
 }
 
-/** The newest measurements. */
+/** Maximum number of measurements to remember. The newest are kept. */
 export const mostRemembered = 200;
 
 function isMeasure(value: unknown): value is Measure {
@@ -49,7 +49,7 @@ function overlayFrom(value: unknown): OverlaySetting {
 export const slicesToText = (slices: RememberedSlices): string =>
   JSON.stringify({ ...slices, measures: slices.measures.filter(isWhole).slice(-mostRemembered) });
 
-/** Returns null if the text is damaged or of another version. */
+/** Parses the stored state. Returns null if the text is damaged or of another version. */
 export function slicesFromText(text: string | null): RememberedSlices | null {
   try {
     const value = JSON.parse(text ?? "null") as Partial<Record<keyof RememberedSlices, unknown>> | null;

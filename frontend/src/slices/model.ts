@@ -11,7 +11,7 @@ import { heldWithin, inSlice, pixelOf, planes, type Plane, type Stack } from "./
 import { SliceStore, type Coming, type StoreParts } from "./store";
 import { bounded, firstWindow, tableOf, type Window } from "./window";
 
-/** The tool of the left button or of one finger. */
+/** The tools for the left button or one finger. */
 export const tools = ["window", "crosshair", ...measureKinds] as const;
 export type Tool = (typeof tools)[number];
 
@@ -20,7 +20,7 @@ export type { Shown };
 type Header = Parameters<typeof firstWindow>[0] & { readonly contentHash: string };
 const middle = vec3(0, 0, 0);
 
-/** What a viewer returns to after following someone else. */
+/** The view to which a viewer returns after following someone else. */
 interface OwnView {
   readonly remembered: RememberedSlices;
   readonly shown: Shown;
@@ -36,10 +36,10 @@ export class Slices {
   readonly access = signal<Access>("none");
   /** Whether there are slices to show. */
   readonly available = computed(() => this.access.value !== "none" && this.stacks.value.size > 0);
-  /** If false, only the 3D picture is shown. */
+  /** Whether slices are shown. If not, only the 3D picture is shown. */
   readonly open = signal(false);
   readonly shown = signal<Shown>("four");
-  /** The page is too narrow for four views and shows one at a time. */
+  /** Whether the page is too narrow for four views, so that it shows one at a time. */
   readonly narrow = signal(false);
   readonly crosshair = signal<Vec3>(middle);
   readonly window = signal<Window>({ centre: 0, width: 1 });
@@ -57,7 +57,7 @@ export class Slices {
   /** Increases with every slice that arrives. */
   readonly received = signal(0);
   readonly damaged = signal(false);
-  /** The slices are those that someone else presents, so only their own view could change them. */
+  /** Whether someone else presents the slices, so that this viewer's own edits do not apply. */
   readonly following = signal(false);
 
   readonly view = computed<Shown>(() => {
@@ -83,7 +83,10 @@ export class Slices {
   private own: OwnView | null = null;
   private presentedMeasures: readonly Measure[] = [];
 
-  /** `before` is restored if it belongs to the volume. `look` reads the signal of the scene. */
+  /**
+   * Creates the state. `before` is restored if it belongs to the volume. `look` reads the signal of
+   * the scene.
+   */
   constructor(
     ask: StoreParts["ask"],
     private before: RememberedSlices | null = null,
@@ -105,7 +108,10 @@ export class Slices {
     });
   }
 
-  /** Called on every connection to a worker. */
+  /**
+   * Takes over the stacks of a new connection. Everything is reset if they belong to another
+   * volume.
+   */
   configured(stacks: readonly Stack[], header: Header | undefined): void {
     this.damaged.value = false;
     // Without the volume's hash, the page requests its slices again after each reconnection.
@@ -193,7 +199,10 @@ export class Slices {
     this.window.value = bounded(window);
   }
 
-  /** Takes hold of the handle within `reach` mm of a point, if there is one and no measurement is unfinished. */
+  /**
+   * Grabs the handle within `reach` mm of a point, if there is one and no measurement is
+   * unfinished.
+   */
   hold(stack: Stack, place: Vec3, reach: number): boolean {
     const measures = this.measures.value;
     const last = measures.at(-1);
@@ -223,7 +232,7 @@ export class Slices {
     this.shown.value = this.view.value === one ? "four" : one;
   }
 
-  /** What to restore after a reload, or null until there is a volume. */
+  /** Returns what to restore after a reload, or null until there is a volume. */
   remembered(): RememberedSlices | null {
     if (this.own) return this.own.remembered;
     if (this.volume === null) return this.before;
@@ -238,7 +247,7 @@ export class Slices {
     };
   }
 
-  /** What others see who follow this viewer. */
+  /** Returns what followers of this viewer see. */
   presented(): PresentedSlices {
     const { shown, strength } = this.overlay.value;
     return {
@@ -282,7 +291,10 @@ export class Slices {
     });
   }
 
-  /** Guests are not told the range of a scan's values, so they begin with the presenter's window. */
+  /**
+   * Starts with the presenter's window if this viewer, as a guest, does not know the range of the
+   * scan's values.
+   */
   private beginWith(window: Window): void {
     if (this.knowsRange || !this.available.value || window.width <= 0) return;
     const untouched = this.window.value.centre === this.first.centre && this.window.value.width === this.first.width;

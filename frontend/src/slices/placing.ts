@@ -58,7 +58,7 @@ const held = (stack: Stack, { zoom, column, row }: Placing): Placing => ({
   row: clamp(row, 0, stack.rows - 1),
 });
 
-/** Zooms, keeping the point under `at` in place. */
+/** Zooms and keeps the point under `at` in place. */
 export function zoomed(stack: Stack, placing: Placing, area: Area, factor: number, at: Point): Placing {
   const zoom = clamp(placing.zoom * factor, zoomLimits.low, zoomLimits.high);
   const fixed = pixelAt(stack, placing, area, at);

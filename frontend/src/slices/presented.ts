@@ -9,20 +9,20 @@ export type Shown = "picture" | "four" | Plane;
 
 /** What a presenter shows of the slices. */
 export interface PresentedSlices {
-  /** Null while only the picture is shown. */
+  /** The shown views. Null while only the picture is shown. */
   readonly view: Shown | null;
   readonly crosshair: Vec3;
   readonly window: Window;
   readonly smooth: boolean;
-  /** How much the colours of the look cover the grey. 0: not at all. */
+  /** Opacity of the look's colours over the grey, from 0 to 1. */
   readonly overlay: number;
   readonly placings: Readonly<Partial<Record<Plane, Placing>>>;
 }
 
-/** The newest measurements. The server refuses more. */
+/** Maximum number of measurements that are presented, the newest ones. The server refuses more. */
 export const mostPresented = 100;
 
-/** Returns the measurements of both lists once. */
+/** Returns the measurements of both lists without duplicates. */
 export function joined(first: readonly Measure[], second: readonly Measure[]): readonly Measure[] {
   const known = new Set(first.map((one) => JSON.stringify(one)));
   return [...first, ...second.filter((one) => !known.has(JSON.stringify(one)))];

@@ -2,7 +2,7 @@ import type { Vec3 } from "../input/vec3";
 import type { Measure } from "./measure";
 import { blank, pixelSize, placeOf, spotOf, type Stack } from "./stack";
 
-/** The values of the pixels whose centre is inside an ellipse. */
+/** Statistics of the pixels whose centre is inside an ellipse. */
 export interface Region {
   readonly mean: number;
   /** The standard deviation of these pixels (divided by their number, since they are not a sample of others). */
@@ -19,7 +19,7 @@ export interface Measurable {
   readonly values: Int16Array;
   /** Whether a point is inside the volume. An oblique volume leaves corners of its slices empty. */
   readonly isInside: (place: Vec3) => boolean;
-  /** Whether blank pixels were cut away. */
+  /** Whether the slice is clipped, so that blank pixels have no value. */
   readonly clipped: boolean;
 }
 
@@ -53,7 +53,7 @@ function eachPixel(stack: Stack, ellipse: Ellipse, visit: (column: number, row: 
   }
 }
 
-/** Returns null if no pixel with a value has its centre in the ellipse. */
+/** Measures the pixels in an ellipse. Returns null if none with a value has its centre in it. */
 export function regionOf(stack: Stack, measure: Measure, { values, isInside, clipped }: Measurable): Region | null {
   const ellipse = ellipseOf(stack, measure);
   if (!ellipse) return null;

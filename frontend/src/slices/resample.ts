@@ -13,7 +13,7 @@ export interface Axis {
   readonly view: number;
 }
 
-/** Where something is drawn along an axis, in device pixels. */
+/** The extent of a drawing along an axis, in device pixels. */
 export interface Extent {
   readonly start: number;
   readonly size: number;
@@ -22,8 +22,8 @@ export interface Extent {
 export const wholeExtentOf = ({ count, start, scale }: Axis): Extent => ({ start, size: count * scale });
 
 /**
- * Where to take values along an axis: between the pixels `left` and `left` + 1 of the slice, with the weight `part` for
- * the second one.
+ * The positions at which to take values along an axis: between the pixels `left` and `left` + 1 of
+ * the slice, with the weight `part` for the second one.
  */
 export interface Samples extends Extent {
   readonly left: Int32Array;
@@ -51,7 +51,10 @@ export function samplesOf({ count, start, scale, view }: Axis): Samples {
 
 const nothing: number = blank;
 
-/** Nothing is interpolated with a blank pixel, because values in between would show matter that does not exist. */
+/**
+ * Interpolates two values, but not with a blank pixel, because values in between would show matter
+ * that does not exist.
+ */
 const between = (a: number, b: number, part: number): number =>
   a === nothing || b === nothing ? (part < 0.5 ? a : b) : a + (b - a) * part;
 

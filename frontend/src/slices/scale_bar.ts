@@ -1,4 +1,4 @@
-/** A round length, and how long it is in the view. */
+/** A round length and its size in the view. */
 export interface ScaleBar {
   readonly mm: number;
   readonly pixels: number;
@@ -8,7 +8,7 @@ export interface ScaleBar {
 export function scaleBar(pixelsPerMm: number, most: number): ScaleBar {
   const limit = most / pixelsPerMm;
   const power = 10 ** Math.floor(Math.log10(limit));
-  // A tiny tolerance, because 10 ** n is not exact for negative n.
+  // Allows a tiny tolerance, because 10 ** n is not exact for negative n.
   const factor = [5, 2].find((one) => one * power <= limit * (1 + 1e-12)) ?? 1;
   const mm = factor * power;
   return { mm, pixels: mm * pixelsPerMm };

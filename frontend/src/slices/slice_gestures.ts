@@ -19,7 +19,9 @@ interface Held {
   readonly moved: boolean;
 }
 
-/** A shorter movement is a tap with a slightly moving pointer. */
+/**
+ * Minimum movement of a drag in CSS pixels. A shorter one is a tap with a slightly moving pointer.
+ */
 const still = 4;
 const scrollEvery = 12;
 
@@ -29,7 +31,7 @@ const scrollEvery = 12;
  */
 export class SliceGestures {
   private readonly held = new Map<number, Held>();
-  /** Several fingers were down, so the remaining ones do not use the tool. */
+  /** Whether several fingers were down, so that the remaining ones do not use the tool. */
   private many = false;
   private scrolled = 0;
 
@@ -109,7 +111,7 @@ export class SliceGestures {
   }
 }
 
-/** Pixels of one wheel step. A touchpad reports them in small pieces. */
+/** Pixels of one wheel step. A touchpad reports smaller pieces, which add up to a slice. */
 const aClick = 50;
 const aSlice = 30;
 

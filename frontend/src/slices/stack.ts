@@ -62,7 +62,7 @@ export function inSlice(stack: Stack, place: Vec3, slice: number): Vec3 {
 /** Returns the centre of the pixel that is nearest to a point. */
 export const heldWithin = (stack: Stack, place: Vec3): Vec3 => placeOf(stack, pixelOf(stack, place));
 
-/** mm. */
+/** Returns the size of a pixel and the distance of the slices in mm. */
 export const pixelSize = (
   stack: Stack,
 ): { readonly width: number; readonly height: number; readonly thickness: number } => ({

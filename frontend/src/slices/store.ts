@@ -43,7 +43,7 @@ export class SliceStore {
 
   constructor(private readonly parts: StoreParts) {}
 
-  /** With a null `index`, no slice of the plane is shown. */
+  /** Shows a slice of a plane, or none if `index` is null. */
   show(plane: Plane, index: number | null): void {
     if (index === this.shown.get(plane)) return;
     if (index === null) this.shown.delete(plane);
@@ -60,7 +60,7 @@ export class SliceStore {
     return values;
   }
 
-  /** On a new connection, sequence numbers restart, and slices in transit are lost. */
+  /** Notes a new connection, on which sequence numbers restart. Slices in transit are lost. */
   connected(): void {
     this.connection += 1;
     this.taken = 0n;

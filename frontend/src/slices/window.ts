@@ -15,8 +15,8 @@ export const bounded = ({ centre, width }: Window): Window => ({
 });
 
 /**
- * Returns 0 to 255: black at the window's lower limit, white at its upper limit (LINEAR_EXACT of DICOM PS3.3
- * C.11.2.1.3.2).
+ * Returns a grey level: 0 at the window's lower limit, 255 at its upper limit (LINEAR_EXACT of
+ * DICOM PS3.3 C.11.2.1.3.2).
  */
 export function greyOf(value: number, { centre, width }: Window): number {
   return Math.round(255 * clamp((value - centre) / width + 0.5, 0, 1));

@@ -6,12 +6,15 @@ const isLanguage = (text: string | null): text is Language => text !== null && O
 
 const languageOf = (tag: string): string => tag.split("-", 1)[0]?.toLowerCase() ?? "";
 
-/** `kept` is the user's earlier choice. `preferred` lists the browser's BCP 47 tags, most preferred first. */
+/**
+ * Returns the language of the page. `kept` is the user's earlier choice. `preferred` lists the
+ * browser's BCP 47 tags, most preferred first.
+ */
 export function chooseLanguage(kept: string | null, preferred: readonly string[]): Language {
   if (isLanguage(kept)) return kept;
   return preferred.map(languageOf).find(isLanguage) ?? "en";
 }
 
-/** The locale for numbers and dates: en-GB and en-US differ. */
+/** Returns the locale for numbers and dates: en-GB and en-US differ. */
 export const placeOf = (language: Language, preferred: readonly string[]): string =>
   preferred.find((tag) => languageOf(tag) === language) ?? language;

@@ -11,7 +11,10 @@ export function counting(language: string) {
         maximumFractionDigits: digits,
         useGrouping: false,
       }).format(n),
-    /** For languages with two forms: one for a single thing and one for every other number. */
+    /**
+     * Formats a count in languages with two forms: one for a single thing and one for every other
+     * number.
+     */
     count: (n: number, one: string, many: string): string =>
       `${number.format(n)} ${plural.select(n) === "one" ? one : many}`,
   };

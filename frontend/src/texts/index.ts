@@ -15,7 +15,7 @@ const key = "diaphane.language";
 export let t: Texts;
 export const language = signal<Language>("en");
 
-/** The user's locale, for dates and numbers in `Intl`. */
+/** Returns the user's locale, for dates and numbers in `Intl`. */
 export const place = (): string => placeOf(language.value, navigator.languages);
 
 export async function loadTexts(chosen: Language): Promise<void> {

@@ -1,19 +1,22 @@
 import { language, t } from ".";
 import type { ApiProblem } from "../api/client";
 
-/** The server writes its sentences in English. In other languages, and without a sentence, returns `otherwise`. */
+/**
+ * Returns the server's sentence, which is English, or `otherwise` in other languages and without a
+ * sentence.
+ */
 export const serverSentence = (sentence: string, otherwise: string): string =>
   language.value === "en" && sentence !== "" ? sentence : otherwise;
 
 type Kinds = Readonly<Record<string, string>>;
 
-/** What is wrong with a field, where the server's sentence is in another language. */
+/** Returns the message for an invalid field, for languages in which the server has no sentence. */
 export function invalidText(field: string): string {
   const fields: Kinds = t.problems.fields;
   return (Object.hasOwn(fields, field) ? fields[field] : undefined) ?? t.problems.kinds.invalid;
 }
 
-/** The message for a problem that the server reports, by its kind. */
+/** Returns the message for a problem that the server reports, by its kind. */
 export function problemText({ kind, detail, errors }: Pick<ApiProblem, "kind" | "detail" | "errors">): string {
   const always: Kinds = t.problems.always;
   if (Object.hasOwn(always, kind)) return always[kind] ?? t.problems.internal;

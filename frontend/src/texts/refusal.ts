@@ -1,7 +1,10 @@
 import { language, t } from ".";
 import type { DataSet } from "../api/types";
 
-/** Why the server can't show a scan. Its own text contains the figures but is English, so other languages use the text of the reason. */
+/**
+ * Returns why the server can't show a scan. Its own text contains the figures but is English, so
+ * other languages use the text of the reason.
+ */
 export function refusalText({ code, text }: NonNullable<DataSet["refusal"]>): string {
   if (language.value === "en") return text;
   const reasons: Readonly<Record<string, (n: number) => string>> = t.add.reasons;
@@ -10,7 +13,7 @@ export function refusalText({ code, text }: NonNullable<DataSet["refusal"]>): st
   return reason && (reason.length === 0 || count !== undefined) ? reason(Number(count ?? 0)) : text;
 }
 
-/** Why the server refused a file of labels. */
+/** Returns why the server refused a file of labels. */
 export function labelRefusalText({ code, text }: NonNullable<DataSet["refusal"]>): string {
   if (language.value === "en") return text;
   const reasons: Readonly<Record<string, string>> = t.labels.refused;

@@ -46,8 +46,8 @@ export interface BackgroundParts<State> {
 }
 
 /**
- * A second session of the same scan that is not shown on the page. It renders one file to download, uses the person's
- * rendering time and ends when the file is complete.
+ * A second session of the same scan that is not shown on the page. It renders one file to download,
+ * uses the user's rendering time and ends when the file is complete.
  */
 export class BackgroundSession<Done, Reason extends string = never> {
   readonly client: StreamClient;
@@ -69,8 +69,8 @@ export class BackgroundSession<Done, Reason extends string = never> {
         after: parts.after,
         chance: Math.random,
         nowMs: () => performance.now(),
-        probe: () => Promise.resolve(true), // it takes as long as it takes, and has limits of its own
-        abilities: { codecs: [Codec.JPEG], stills }, // each frame stands alone
+        probe: () => Promise.resolve(true), // a slow server is tolerated here
+        abilities: { codecs: [Codec.JPEG], stills }, // each frame can be decoded on its own
         pixelRatio: () => 1,
       },
       {
@@ -122,7 +122,7 @@ export class BackgroundSession<Done, Reason extends string = never> {
   }
 }
 
-/** The browser's own socket and timers for a background session. */
+/** Returns the browser's own socket and timers for a background session. */
 export const browserBackgroundParts = <State>(
   ticketSource: TicketSource,
   state: (state: State) => void,

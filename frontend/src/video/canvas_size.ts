@@ -63,7 +63,10 @@ export function watchDevicePixels(element: HTMLElement, changed: (size: Viewport
   signal.addEventListener("abort", () => observer.disconnect());
 }
 
-/** Before the first observation, returns the size that the layout suggests, as the observer will report it. */
+/**
+ * Returns the size that the layout suggests, as the observer will report it, for use before its
+ * first report.
+ */
 export function devicePixels(element: HTMLElement): Viewport {
   return snapped(element.getBoundingClientRect(), devicePixelRatio);
 }

@@ -6,7 +6,7 @@ import { plotOf, type Plot } from "./plot_scale";
 export const curveFormats = ["csv", "json", "svg"] as const;
 export type CurveFormat = (typeof curveFormats)[number];
 
-/** The rendered picture and the device. */
+/** The size of the rendered picture, and the device that rendered it. */
 export interface CurveSource {
   readonly width: number;
   readonly height: number;
@@ -19,13 +19,13 @@ const writers: Record<CurveFormat, { readonly type: string; readonly write: type
   svg: { type: "image/svg+xml", write: svgOf },
 };
 
-/** The curve as a file that explains its numbers. Nothing in it identifies the scan. */
+/** Returns the curve as a file that explains its numbers. Nothing in it identifies the scan. */
 export function curveFile(format: CurveFormat, points: readonly ErrorPoint[], source: CurveSource): Blob {
   const { type, write } = writers[format];
   return new Blob([write(points, source)], { type });
 }
 
-/** The sentences that every format contains. */
+/** Returns the sentences that every format contains. */
 const headerOf = ({ width, height, device }: CurveSource): string[] => {
   const { title, samples, seconds, error, guide, source } = t.curve.file;
   return [title, samples, seconds, error, guide, source(width, height, device)];
@@ -86,7 +86,7 @@ export function svgOf(points: readonly ErrorPoint[], source: CurveSource): strin
   ].join("\n");
 }
 
-/** The grid, the numbers at its lines, and what each axis is. */
+/** Draws the grid, the numbers at its lines and the titles of the axes. */
 function axes(plot: Plot | null): string[] {
   const right = box.x + box.width,
     bottom = box.y + box.height;

@@ -2,13 +2,13 @@ import type { Codec, Frame, FrameTimes } from "../protocol/messages";
 import type { FrameDecoder } from "./picture";
 
 export interface FramePipelineParts<P extends { close(): void }> {
-  /** Returns null for an unknown codec. */
+  /** Returns null for a codec that is unknown or that this browser lacks. */
   readonly makeDecoder: (codec: Codec) => FrameDecoder<P> | null;
   readonly present: (picture: P, frame: Frame) => void;
   readonly ack: (frame: Frame, times: FrameTimes, queue: number) => void;
   /** Requests a key frame, because earlier frames cannot be decoded. */
   readonly needKey: () => void;
-  /** The codec has failed too often and should no longer be used. */
+  /** Called if a codec has failed too often and should no longer be used. */
   readonly giveUp: (codec: Codec) => void;
   readonly nowMs: () => number;
 }
@@ -48,7 +48,10 @@ export class FramePipeline<P extends { close(): void }> {
 
   constructor(private readonly parts: FramePipelineParts<P>) {}
 
-  /** On a new connection, epochs and frames are counted again, and frames being decoded belong to the old one. */
+  /**
+   * Starts again on a new connection, whose epochs and frames are counted from the beginning.
+   * Frames that are being decoded belong to the old one.
+   */
   reset(): void {
     this.connection += 1;
     this.shown = { epoch: 0n, seq: 0n };
@@ -161,7 +164,10 @@ export class FramePipeline<P extends { close(): void }> {
     if (this.failures > 0 && ++this.good >= forgottenAfter) this.failures = 0;
   }
 
-  /** An independent frame is replaced by the next one. A chain is broken and starts again at a key frame. */
+  /**
+   * Counts a failure. The next frame replaces an independent one. A broken chain starts again at a
+   * key frame.
+   */
   private failed(codec: Codec): void {
     this.good = 0;
     this.failures += 1;

@@ -8,7 +8,9 @@ interface Pending {
   readonly reject: (why: Error) => void;
 }
 
-/** Uses WebCodecs, which exists only in secure contexts. The key frames configure it. */
+/**
+ * Decodes H.264 with WebCodecs, which exists only in secure contexts. The key frames configure it.
+ */
 export class H264Decoder implements FrameDecoder {
   readonly independent = false;
   private readonly decoder: VideoDecoder;
@@ -75,8 +77,8 @@ export class H264Decoder implements FrameDecoder {
   }
 
   /**
-   * Some hardware decoders keep the last picture until the next one arrives. A flush forces it out and breaks the
-   * chain.
+   * Forces out the last picture, which some hardware decoders keep until the next one arrives. A
+   * flush breaks the chain.
    */
   private watch(): void {
     clearTimeout(this.stuck);

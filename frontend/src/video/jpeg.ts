@@ -1,6 +1,6 @@
 import { pictureOf, type CodedPicture, type FrameDecoder, type Picture } from "./picture";
 
-/** Uses the browser's own image decoder, which exists everywhere. */
+/** Decodes JPEG with the browser's own image decoder, which exists everywhere. */
 export class JpegDecoder implements FrameDecoder {
   readonly independent = true;
 

@@ -8,7 +8,7 @@ import { testH264, testJpeg, testLeft, testMpeg1, testRight, type Rgb } from "./
 /** The codecs in the order in which they are announced, the best first. */
 export const ladder: readonly Codec[] = [Codec.H264, Codec.JPEG, Codec.MPEG1];
 
-/** Returns null for an unknown codec. */
+/** Creates a decoder. Returns null for a codec that is unknown or that this browser lacks. */
 export function makeDecoder(codec: Codec): FrameDecoder | null {
   switch (codec) {
     case Codec.H264:
@@ -34,8 +34,8 @@ export async function probeCodecs(only: readonly Codec[] | null = null): Promise
 }
 
 /**
- * For measurements and debugging: names of codecs in `localStorage`, such as "JPEG" or "H264,MPEG1". Null for all
- * codecs.
+ * Returns the codecs that `localStorage` names for measurements and debugging, such as "JPEG" or
+ * "H264,MPEG1". Null for all codecs.
  */
 export function chosenCodecs(storage: Pick<Storage, "getItem">): Codec[] | null {
   const names = storage.getItem("diaphane.codecs")?.split(",") ?? [];
@@ -44,11 +44,14 @@ export function chosenCodecs(storage: Pick<Storage, "getItem">): Codec[] | null 
 }
 
 /**
- * A broken driver may never respond. In that case, the next codec is tested. The browser's own JPEG decoder always
- * responds.
+ * Time limit of a test, after which the next codec is tested, because a broken driver may never
+ * respond. The browser's own JPEG decoder always responds.
  */
 const probeLimitMs = 3000;
-/** Out of 255, for coding, 4:2:0 and rounding. A wrong matrix or range differs by 10 or more. */
+/**
+ * Tolerated difference out of 255, due to coding, 4:2:0 and rounding. A wrong matrix or range
+ * differs by 10 or more.
+ */
 const colourTolerance = 6;
 
 const testFrame = (codec: Codec): CodedPicture | null => {

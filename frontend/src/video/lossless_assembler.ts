@@ -24,7 +24,7 @@ export interface LosslessAssemblerParts {
   readonly sha256: (bytes: Uint8Array<ArrayBuffer>) => Promise<Uint8Array>;
   /** Shows all tiles of a picture at once. Returns false, and changes nothing, if they do not fit the shown picture. */
   readonly show: (tiles: readonly TilePixels[], facts: LosslessFacts) => boolean;
-  /** A tile did not match its hash. The streamed picture stays on the screen. */
+  /** Called if a tile does not match its hash. The streamed picture stays on the screen. */
   readonly damaged: () => void;
   readonly ack: (still: Still, times: FrameTimes, queue: number) => void;
   readonly nowMs: () => number;

@@ -6,7 +6,10 @@ interface Pending {
   readonly reject: (why: Error) => void;
 }
 
-/** Runs jsmpeg in a worker of its own, which is loaded only when this object is created. */
+/**
+ * Decodes MPEG-1 with jsmpeg in a worker of its own, which is loaded only when this object is
+ * created.
+ */
 export class Mpeg1Decoder implements FrameDecoder {
   readonly independent = false;
   private readonly worker = new Worker(new URL("./mpeg1_worker.ts", import.meta.url), { type: "module" });

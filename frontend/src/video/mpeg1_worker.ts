@@ -9,15 +9,18 @@ export interface Mpeg1Order {
   readonly width: number;
   readonly height: number;
 }
-/** Null if the frame could not be decoded. */
+/** The picture, or null if the frame could not be decoded. */
 export type Mpeg1Answer = ImageBitmap | null;
 
-// jsmpeg reads its clock from `window`.
+// jsmpeg reads its clock from `window`, which a worker lacks.
 (globalThis as { window?: unknown }).window ??= globalThis;
 
 /** Enough for a key frame of the largest picture. Data beyond this is lost. */
 const bufferBytes = 8 << 20;
-/** At most a sequence header and a group header precede a picture. */
+/**
+ * Maximum number of start codes to read for a picture, which at most a sequence header and a group
+ * header precede.
+ */
 const mostStartCodes = 4;
 
 let decoder: Mpeg1Video | null = null;

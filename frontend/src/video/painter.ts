@@ -3,7 +3,7 @@ import type { TilePixels } from "./lossless_assembler";
 import type { Picture } from "./picture";
 import { pictureIn, type Rectangle } from "./picture_in";
 
-/** The fraction of a follower's picture at its upper and lower edge that runs into the page. */
+/** The fraction of a follower's picture at its upper and lower edge that fades into the page. */
 const faded = 0.08;
 
 /**
@@ -13,7 +13,7 @@ const faded = 0.08;
 export class Painter {
   private readonly context: CanvasRenderingContext2D;
   private fitsWindow = false;
-  /** Where the shown picture lies on the canvas. */
+  /** The rectangle of the shown picture on the canvas. */
   private shown: Rectangle | null = null;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -23,7 +23,10 @@ export class Painter {
     this.clear();
   }
 
-  /** For a follower, whose canvas has another shape: shows the presenter's whole picture, with borders. */
+  /**
+   * Shows the presenter's whole picture, with borders, to a follower, whose canvas has another
+   * shape.
+   */
   fitToWindow(fitsWindow: boolean): void {
     this.fitsWindow = fitsWindow;
   }
@@ -32,7 +35,7 @@ export class Painter {
   resize(size: Viewport): void {
     const { width, height } = this.canvas;
     if (width === size.width && height === size.height) return;
-    // Without the borders of a follower's picture, or it would shrink with each resize.
+    // Excludes the borders of a follower's picture, which would shrink with each resize.
     const from = this.fitsWindow && this.shown ? this.shown : { x: 0, y: 0, width, height };
     const shown = new OffscreenCanvas(Math.max(1, Math.round(from.width)), Math.max(1, Math.round(from.height)));
     shown.getContext("2d")?.drawImage(this.canvas, -from.x, -from.y);
@@ -73,7 +76,10 @@ export class Painter {
     if (place.y > 1) this.fadeEdges(place.y, place.height);
   }
 
-  /** The background of the page, which the canvas shows next to the picture. Opaque: "rgb(r, g, b)". */
+  /**
+   * Returns the background of the page, which the canvas shows next to the picture. It is opaque:
+   * "rgb(r, g, b)".
+   */
   private ground(): string {
     return getComputedStyle(this.canvas).backgroundColor;
   }
@@ -83,7 +89,7 @@ export class Painter {
     this.context.fillRect(0, 0, this.canvas.width, this.canvas.height);
   }
 
-  /** Lets the upper and the lower edge of the picture run into the page. */
+  /** Fades the upper and the lower edge of the picture into the page. */
   private fadeEdges(top: number, height: number): void {
     const ground = this.ground();
     const clear = ground.replace("rgb(", "rgba(").replace(")", ", 0)");

@@ -3,7 +3,7 @@ import type { Frame } from "../protocol/messages";
 /** A decoded picture. `close` releases its memory. */
 export interface Picture {
   readonly image: CanvasImageSource;
-  /** In pixels of the visible part. */
+  /** The size of the visible part in pixels. */
   readonly width: number;
   readonly height: number;
   close(): void;

@@ -8,7 +8,10 @@ export interface PictureFacts {
   readonly seconds: number;
   readonly width: number;
   readonly height: number;
-  /** The server denoised this picture. It is closer to the finished picture than `error` suggests. */
+  /**
+   * Whether the server denoised this picture, which is then closer to the finished one than `error`
+   * suggests.
+   */
   readonly smoothed: boolean;
   /** Stops that automatic exposure added to the exposure of the scene. */
   readonly stops: number;
@@ -16,7 +19,7 @@ export interface PictureFacts {
 
 /** The state of a picture after a pass. */
 export interface ErrorPoint {
-  /** Per pixel. */
+  /** Samples per pixel. */
   readonly samples: number;
   readonly seconds: number;
   readonly error: number;

@@ -16,7 +16,7 @@ export interface PictureParts {
   readonly ack: (shown: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number) => void;
   readonly needKey: () => void;
   readonly giveUp: (codec: Codec) => void;
-  /** A lossless tile did not match its hash. */
+  /** Called if a lossless tile does not match its hash. */
   readonly damaged: () => void;
   readonly nowMs: () => number;
 }
@@ -32,7 +32,10 @@ export class PictureStore {
   private readonly pipeline: FramePipeline<Picture>;
   private readonly losslessAssembler: LosslessAssembler;
   private convergedEpoch = -1;
-  /** Pictures of earlier inputs are not shown. 0 once one was: the next presenter counts their own inputs. */
+  /**
+   * The first input whose pictures are shown. Reset to 0 once one was shown, because the next
+   * presenter counts their own inputs.
+   */
   private firstInput = 0;
 
   constructor(
@@ -91,7 +94,7 @@ export class PictureStore {
     this.firstInput = 0;
   }
 
-  /** Does not show pictures before that of an input, or with 0 shows all of them. */
+  /** Hides pictures of inputs before this one. 0 shows all pictures. */
   beginWith(inputSeq: number): void {
     this.firstInput = inputSeq;
   }

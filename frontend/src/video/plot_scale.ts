@@ -8,11 +8,11 @@ export interface Plot {
   readonly guide: string;
   readonly vertical: readonly { readonly at: number; readonly seconds: number }[];
   readonly horizontal: readonly { readonly at: number; readonly percent: number }[];
-  /** Where the curve has 1, 10, 100 … samples per pixel. */
+  /** The places at which the curve has 1, 10, 100 … samples per pixel. */
   readonly samples: readonly { readonly at: number; readonly samples: number }[];
 }
 
-/** As in renderd/film/error_curve.h. */
+/** The smallest ratio of samples from point to point, as in renderd/film/error_curve.h. */
 const step = 1.05;
 
 const isKnown = ({ seconds, error }: Pick<ErrorPoint, "seconds" | "error">) =>

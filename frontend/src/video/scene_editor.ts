@@ -22,7 +22,7 @@ export interface EditorParts {
   readonly canvasSize: () => Viewport;
   /** Sends an edited scene. `rest`: no further edit follows at once. */
   readonly send: (scene: Scene, rest: boolean) => void;
-  /** Sends that the last edit is finished. */
+  /** Reports that the last edit is finished. */
   readonly rest: () => void;
 }
 
@@ -58,8 +58,8 @@ export class SceneEditor {
   }
 
   /**
-   * `untouched` means that nobody has edited the scene of this session yet. Returns whether it was edited here, to fit
-   * into a narrow window.
+   * Takes over the scene of a new connection. `untouched` means that nobody has edited the scene of
+   * this session yet. Returns whether it was edited here, to fit into a narrow window.
    */
   configured(config: Config, untouched: boolean): boolean {
     this.presets.value = config.presets;
@@ -74,7 +74,7 @@ export class SceneEditor {
     return true;
   }
 
-  /** `held` means that the pointer is still down. */
+  /** Applies a gesture to the camera. `held` means that the pointer is still down. */
   act(gesture: Gesture, held = false): void {
     const scene = this.scene.value;
     const pose = scene && cameraOf(scene);
@@ -116,7 +116,10 @@ export class SceneEditor {
     this.steps.value = moved.history;
   }
 
-  /** Applies a look but keeps the camera, the lens and the cuts. */
+  /**
+   * Applies a look but keeps the camera, the cuts, the slices, the labels and whether the table is
+   * shown.
+   */
   applyPreset(preset: Preset): void {
     if (!preset.scene) return;
     const now = this.scene.value;
@@ -171,7 +174,7 @@ export class SceneEditor {
     this.setScene(scene, null, rest);
   }
 
-  /** Resets the camera to that of the preset. */
+  /** Resets the camera to that with which the session began, or else to that of the preset. */
   resetCamera(): void {
     const scene = this.scene.value;
     const home = this.home();
@@ -191,7 +194,7 @@ export class SceneEditor {
     return begun ? cameraOf(this.framed(begun)) : null;
   }
 
-  /** `change` describes the undo step. Null for none. */
+  /** Sets and sends the scene. `change` describes the undo step, or is null for none. */
   private setScene(scene: Scene, change: { readonly what: string; readonly held: boolean } | null, rest = false): void {
     if (!this.parts.leads()) return; // a follower cannot edit
     const before = this.scene.value;

@@ -136,7 +136,7 @@ export class StillShot {
   }
 }
 
-/** The browser's own canvas and a separate session of the scan. */
+/** Returns the browser's own canvas and a separate session of the scan. */
 export function browserParts(
   ticketSource: TicketSource,
   stills: Abilities["stills"],

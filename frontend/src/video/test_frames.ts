@@ -1,6 +1,6 @@
 /**
- * One small picture in every coding: its left half in one colour, the right in another. What a browser makes of it
- * tells whether it really decodes that coding, and to the right colours.
+ * One small picture in every coding, with its left half in one colour and its right half in
+ * another. Decoding it shows whether a browser really supports the coding, with the right colours.
  */
 const bytes = (base64: string): Uint8Array<ArrayBuffer> =>
   Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
@@ -20,7 +20,7 @@ export const testH264 = {
     ),
 };
 
-/** 16 x 16, baseline, no colour sample shared. */
+/** 16 x 16, baseline, without chroma subsampling. */
 export const testJpeg = {
   side: 16,
   data: () =>

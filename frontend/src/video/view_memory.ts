@@ -16,7 +16,10 @@ type Store = Pick<Storage, "getItem" | "setItem">;
 const keyOf = (dataSetId: string) => `diaphane.view.${dataSetId}`;
 const stepsKeyOf = (dataSetId: string) => `diaphane.steps.${dataSetId}`;
 
-/** Browsers store about 5 million characters for a tab. Older steps do not survive a reload. */
+/**
+ * Limit for the undo steps, because browsers store about 5 million characters for a tab. Older
+ * steps do not survive a reload.
+ */
 const mostStepCharacters = 1_000_000;
 
 export function rememberedView(store: Store, dataSetId: string): RememberedView {
@@ -48,9 +51,11 @@ export function rememberView(store: Store, dataSetId: string, view: RememberedVi
   }
 }
 
-/** What each store received last, because views are remembered several times per second. */
+/** The last content of each store, because views are remembered several times per second. */
 const written = new WeakMap<Store, { readonly dataSetId: string; readonly steps: History<Scene> }>();
-/** Scenes are immutable, and most steps were there the last time. */
+/**
+ * The JSON text of scenes, cached because scenes are immutable and most steps were written before.
+ */
 const texts = new WeakMap<Scene, string>();
 
 function rememberSteps(store: Store, dataSetId: string, steps: History<Scene>): void {

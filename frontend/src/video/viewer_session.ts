@@ -42,7 +42,7 @@ import { PictureStore } from "./picture_store";
 import { SceneEditor } from "./scene_editor";
 import { rememberView, rememberedView } from "./view_memory";
 
-/** Where this browser stores the user's preferences. */
+/** The browser's storage for the user's preferences. */
 export type Preferences = Pick<Storage, "getItem" | "setItem">;
 
 const effortKey = "diaphane.effort";
@@ -207,7 +207,7 @@ export class ViewerSession {
     return this.place.data_set_id;
   }
 
-  /** The scan whose pictures may be loaded, if any. */
+  /** Returns the ID of the scan whose pictures may be loaded, or null. */
   get picturedId(): string | null {
     return this.place.pictured_id;
   }
@@ -216,7 +216,7 @@ export class ViewerSession {
     return this.currentSessionId;
   }
 
-  /** In device pixels. */
+  /** Returns the size of the canvas in device pixels. */
   get viewport(): Viewport {
     return this.canvasSize;
   }
@@ -225,7 +225,7 @@ export class ViewerSession {
     this.client.handOver(to);
   }
 
-  /** Whether guests may see the slices, limited to the clip. */
+  /** Sets whether guests may see the slices, limited to the clip. */
   setGuestSlices(on: boolean): void {
     this.client.setGuestSlices(on);
   }
@@ -240,14 +240,16 @@ export class ViewerSession {
   }
 
   /**
-   * Asks for the distance of the surface at a point of the picture. `x` and `y` range from 0 to 1, from the top
+   * Asks for the surface at a point of the picture. `x` and `y` range from 0 to 1, from the top
    * left.
    */
   depthAt(x: number, y: number): Promise<Answered> {
     return this.client.depthAt(x, y);
   }
 
-  /** The answer arrives in `kernel` with the next picture. */
+  /**
+   * Asks which kernel renders the picture. The answer arrives in `kernel` with the next picture.
+   */
   askForKernel(): void {
     this.client.say(encodeKernelQuery());
   }
@@ -289,7 +291,7 @@ export class ViewerSession {
     if (visible) this.client.wake();
   }
 
-  /** The shown picture is lost, so the worker sends it again, as to a new viewer. */
+  /** Requests the picture again, as a new viewer would, because the shown one is lost. */
   showAnew(): void {
     this.pictures.lossless.value = null;
     this.client.greetAgain(this.abilities);
@@ -300,7 +302,10 @@ export class ViewerSession {
     this.resizeDebouncer.changed(withinBounds(size, longestSide));
   }
 
-  /** Is not an undo step, because the converged picture stays the same. Stored once the control is released. */
+  /**
+   * Sets the effort, which is not an undo step, because the converged picture stays the same.
+   * Stored once the control is released.
+   */
   setEffort(effort: Effort, held = false): void {
     this.effort.value = effort;
     this.client.setEffort(effort);
@@ -384,7 +389,7 @@ export class ViewerSession {
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
       problem: ({ field, message }) => {
         this.pictures.beginWith(0); // the first input may be the refused one
-        // The presenter turned off the pointers or the marks of guests meanwhile.
+        // A refused pointer or mark needs no message: the presenter has turned off those of guests.
         if (field !== "pointer" && field !== "marks") this.problem.value = problemText(field, message);
       },
       fileProgress: () => undefined,
@@ -408,7 +413,7 @@ export class ViewerSession {
     this.pictures.beginWith(0); // the presenter counts their own inputs
   }
 
-  /** Until now, someone else framed the picture, for a window of another shape. */
+  /** Reframes the picture, which someone else framed until now for a window of another shape. */
   private tookOver(): void {
     const shown = this.pictures.picture.value;
     const firstInput = this.client.inputSeq + 1; // read first, because the editor may send this input at once

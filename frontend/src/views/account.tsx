@@ -18,7 +18,10 @@ export const looksLikeEmail = (text: string): boolean => /^[^\s@]+@[^\s@]+$/.tes
 type Credentials = "email" | "password";
 const both: readonly Credentials[] = ["email", "password"];
 
-/** Asks only for the address. The password is chosen after opening the emailed link. */
+/**
+ * The sign-up form, which asks only for the address. The password is chosen after opening the
+ * emailed link.
+ */
 export function SignUp() {
   const app = useApp();
   const [email, setEmail] = useState("");

@@ -113,7 +113,7 @@ interface PickerProps {
   readonly onFiles: (files: File[]) => void;
 }
 
-/** Many phones can choose only files, and a folder is easier to choose than its files elsewhere. */
+/** A button that chooses a folder, or files for the many phones that cannot choose a folder. */
 function Picker({ kind, main, onFiles }: PickerProps) {
   const text = kind === "folder" ? t.add.choose : t.add.chooseFiles;
   const input = useRef<HTMLInputElement>(null);

@@ -12,7 +12,7 @@ import { useApp } from "./state";
 import { Table } from "./table";
 import { usePages } from "./use_pages";
 
-/** The first moment of a day that a date field holds, or null for an empty field. */
+/** Returns the first moment of the day in a date field, or null for an empty field. */
 const startOf = (day: string): string | null => (day ? `${day}T00:00:00Z` : null);
 
 /** The audit log, with its filter. A link from a user's dialog filters it by account. */

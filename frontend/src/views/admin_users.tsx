@@ -159,7 +159,10 @@ function UserDialog({ user, onClose }: UserDialogProps) {
 const inTenths = (value: number): string => numberText(Math.round(value * 10) / 10);
 const limits = { low: 0, high: 1e9 };
 
-/** `onChanged` is called when the server has taken a change. */
+/**
+ * The entries of the dialog and its actions. `onChanged` is called when the server has accepted a
+ * change.
+ */
 function useUserForm(user: User, onChanged: () => void) {
   const app = useApp();
   const [gb, setGb] = useState(inTenths(user.quota.bytes / gigabyte));

@@ -47,7 +47,10 @@ function Page() {
 
 const framed = (content: ComponentChildren): JSX.Element => <Shell>{content}</Shell>;
 
-/** The pages that do not depend on who is signed in: those of mailed and shared links, and of the installation. */
+/**
+ * Returns a page that does not depend on who is signed in: that of a mailed or shared link, or of
+ * the installation.
+ */
 function linkedPage(at: Route): JSX.Element | null {
   switch (at.page) {
     case "verify":
@@ -67,7 +70,7 @@ function linkedPage(at: Route): JSX.Element | null {
   }
 }
 
-/** The pages that need no account. */
+/** Returns a page that needs no account. */
 function openPage(at: Route, me: Me | null): JSX.Element | null {
   switch (at.page) {
     case "sign_up":

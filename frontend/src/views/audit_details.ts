@@ -2,7 +2,9 @@ import type { AuditEntry } from "../api/types";
 import { t } from "../texts";
 import { bytesText } from "./format";
 
-/** The details of an entry in words. Unknown names and words of the server stay as they are. */
+/**
+ * Returns the details of an entry in words. Unknown names and words of the server stay as they are.
+ */
 export function detailsText({ action, details }: Pick<AuditEntry, "action" | "details">): string {
   const order = Object.keys(t.admin.details); // Postgres sorts names by their length: "to" before "from"
   return Object.entries(details)
@@ -11,7 +13,10 @@ export function detailsText({ action, details }: Pick<AuditEntry, "action" | "de
     .join(", ");
 }
 
-/** An ID is as short as those in the column beside it, so that the table fits the window. */
+/**
+ * Matches an ID, which is shortened like those in the column beside it, so that the table fits the
+ * window.
+ */
 const isId = /^[0-9a-f]{8}-[0-9a-f-]{27}$/;
 
 function valueText(action: string, name: string, value: number | string): string {

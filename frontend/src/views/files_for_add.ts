@@ -8,7 +8,7 @@ export function addFiles(files: readonly File[]): void {
   navigate("/add");
 }
 
-/** The files that the page was opened with, once. */
+/** Returns the files that the page was opened with, only once. */
 export function takeFilesForAdd(): readonly File[] | null {
   const files = waiting;
   waiting = null;

@@ -2,7 +2,7 @@ import type { Focused } from "../input/keys";
 
 const choices: readonly string[] = ["range", "checkbox", "radio", "color", "button", "file"];
 
-/** The kind of element that a key was pressed on. */
+/** Returns the kind of element on which a key was pressed. */
 export function focusedOf(target: EventTarget | null): Focused {
   if (!(target instanceof HTMLElement)) return "none";
   if (target instanceof HTMLSelectElement) return "list";

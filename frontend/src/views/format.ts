@@ -1,7 +1,7 @@
 import { shortNumber } from "../scene/numbers";
 import { place } from "../texts";
 
-/** Decimal units, as for disks and quotas. */
+/** Formats a size in decimal units, as for disks and quotas. */
 export function bytesText(bytes: number): string {
   const units = ["", "KB", "MB", "GB", "TB"];
   let value = bytes;
@@ -23,25 +23,25 @@ export const fixedText = (value: number, digits: number): string =>
     useGrouping: false,
   }).format(value);
 
-/** As short as `shortNumber`, with the user's decimal separator. */
+/** Formats a number as briefly as `shortNumber`, with the user's decimal separator. */
 export const numberText = (value: number, digits?: number): string =>
   new Intl.NumberFormat(place(), { maximumFractionDigits: 20, useGrouping: false }).format(
     Number(shortNumber(value, digits)),
   );
 
-/** A number with all of its digits, such as a power of ten at an axis. */
+/** Formats a number with all of its digits, such as a power of ten at an axis. */
 export const plainNumberText = (value: number): string =>
   new Intl.NumberFormat(place(), { maximumFractionDigits: 20 }).format(value);
 
-/** A fraction as a whole percentage in the user's language: 80%, or with a space. */
+/** Formats a fraction as a whole percentage in the user's language: 80%, or with a space. */
 export const percentText = (share: number): string =>
   new Intl.NumberFormat(place(), { style: "percent", maximumFractionDigits: 0 }).format(share);
 
-/** The same with all of its digits. */
+/** Formats a fraction as a percentage with all of its digits. */
 export const percentExactText = (share: number): string =>
   new Intl.NumberFormat(place(), { style: "percent", maximumFractionDigits: 6 }).format(share);
 
-/** A DICOM date (yyyymmdd) in the user's format, or empty if it is invalid. */
+/** Formats a DICOM date (yyyymmdd) for the user. Empty if it is invalid. */
 export function dicomDateText(date: string): string {
   const match = /^(\d{4})(\d{2})(\d{2})$/.exec(date.replaceAll(".", "").trim());
   if (!match) return "";
@@ -51,17 +51,17 @@ export function dicomDateText(date: string): string {
   );
 }
 
-/** The date and time of an RFC 3339 timestamp in the user's format. */
+/** Formats the date and time of an RFC 3339 timestamp for the user. */
 export const dateText = (instant: string): string =>
   new Intl.DateTimeFormat(place(), { dateStyle: "medium", timeStyle: "short" }).format(new Date(instant));
 
-/** The time of day of a timestamp in milliseconds since 1970. */
+/** Formats the time of day of a timestamp in milliseconds since 1970. */
 export const timeText = (atMs: number): string => new Intl.DateTimeFormat(place(), { timeStyle: "short" }).format(atMs);
 
-/** The day of an instant, short. */
+/** Formats the day of an RFC 3339 timestamp with a short month. */
 export const dayShortText = (instant: string): string =>
   new Intl.DateTimeFormat(place(), { dateStyle: "medium" }).format(new Date(instant));
 
-/** The date of a server timestamp in the user's format. */
+/** Formats the day of an RFC 3339 timestamp with the month in full. */
 export const dayText = (time: string): string =>
   new Intl.DateTimeFormat(place(), { dateStyle: "long" }).format(new Date(time));

@@ -23,7 +23,10 @@ export interface MailedPasswordProps extends PasswordFormProps {
   readonly lead: string;
   readonly doneTitle: string;
   readonly doneText: string;
-  /** Where users go afterwards. A reload leads there as well, because it has no token to redeem again. */
+  /**
+   * The page to which users go afterwards. A reload leads there as well, because it has no token to
+   * redeem again.
+   */
   readonly next: { readonly href: string; readonly label: string };
   /** The link below the form. */
   readonly children: ComponentChildren;

@@ -307,7 +307,10 @@ function useExport() {
   };
 }
 
-/** `coded`: the account has a second factor, so deleting it needs a code too. */
+/**
+ * The deletion of the account. `coded` means that it has a second factor, so that a code is needed
+ * too.
+ */
 function Removal({ coded }: { readonly coded: boolean }) {
   const { asking, setAsking, password, setPassword, code, setCode, faults, busy, close, submit } = useRemoval(coded);
   return (

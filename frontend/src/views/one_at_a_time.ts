@@ -1,4 +1,7 @@
-/** Runs `work` and ignores further calls until it has ended, because nobody means a double click twice. */
+/**
+ * Runs `work` and ignores further calls until it has ended, so that a double click does not run it
+ * twice.
+ */
 export function oneAtATime<Given extends unknown[]>(
   work: (...given: Given) => Promise<unknown>,
 ): (...given: Given) => void {

@@ -1,5 +1,8 @@
 export interface Polling {
-  /** Begins the next round at once, or as soon as the current one has ended, which may have begun too early. */
+  /**
+   * Begins the next round at once, or when the current one ends, because that may have started too
+   * early.
+   */
   readonly now: () => void;
   readonly stop: () => void;
 }

@@ -8,7 +8,10 @@ interface Drawn {
 /** The light margin in modules that the standard requires (ISO/IEC 18004, 6.3.8). */
 const quiet = 4;
 
-/** Drawn by a library that is loaded only here. Always dark on light, because readers need that. */
+/**
+ * A QR code, drawn by a library that is loaded on demand. It is always dark on light, as readers
+ * require.
+ */
 export function QrCode({ text, label }: { readonly text: string; readonly label: string }) {
   const [drawn, setDrawn] = useState<Drawn | null>(null);
   useEffect(() => {

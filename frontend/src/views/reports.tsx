@@ -10,7 +10,7 @@ import { Link } from "./router";
 import { Notice, PageTitle, useFocusKept } from "./shell";
 import { useApp } from "./state";
 
-/** The name of the preset or of the scan that the report is about. */
+/** Returns the name of the preset or of the scan that the report is about. */
 const nameOf = (of: Pick<Report, "preset_name" | "title">): string => of.preset_name || of.title;
 const reasonOf = ({ preset_id: presetId, reason }: Report): string | undefined =>
   (presetId === null ? undefined : t.sharing.report.reasonsPreset[reason]) ?? t.sharing.report.reasons[reason];

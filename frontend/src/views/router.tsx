@@ -15,7 +15,10 @@ export function navigate(path: string, replace = false): void {
   scrollTo(0, 0);
 }
 
-/** Returns the path of the page whose link led here, also after a reload, or null if another site or an address did. */
+/**
+ * Returns the path of the page whose link led here, also after a reload. Null if the user came from
+ * another site or entered the address.
+ */
 export function cameFrom(): string | null {
   const state: unknown = history.state;
   return typeof state === "object" && state !== null && "from" in state && typeof state.from === "string"
@@ -31,7 +34,10 @@ export interface LinkProps {
   readonly children: ComponentChildren;
 }
 
-/** A link of the page itself: real for the browser (new tab, copy), without a reload for a plain click. */
+/**
+ * A link within the page. A plain click changes the page without a reload, and the browser handles
+ * everything else, such as a new tab.
+ */
 export function Link(props: LinkProps) {
   return (
     <a

@@ -13,7 +13,7 @@ export type Route =
 export const adminParts = ["users", "audit", "fleet"] as const;
 export type AdminPart = (typeof adminParts)[number];
 
-/** The installation's own pages. Each is the first word of its path. */
+/** The installation's own pages, each with the name as the first segment of its path. */
 export const legalPages = ["privacy", "terms", "contact"] as const;
 export type LegalPage = (typeof legalPages)[number];
 
@@ -29,7 +29,10 @@ const secret = /^[0-9a-f]{64}$/;
 
 const tokenIn = (hash: string): string => new URLSearchParams(hash).get("token") ?? "";
 
-/** By the first segment of the path. Returns null if the rest of the URL is invalid. */
+/**
+ * The routes by the first segment of the path. A function returns null if the rest of the URL is
+ * invalid.
+ */
 const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   "": () => ({ page: "home" }),
   scans: () => ({ page: "scans" }),
@@ -57,10 +60,10 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   view: ({ second }) => (id.test(second) ? { page: "view", dataSetId: second } : null),
 };
 
-/** The first segment of the path of every page. */
+/** The first path segments of all pages. */
 export const firstWords: readonly string[] = Object.keys(pages);
 
-/** @param path of the URL. @param hash of the URL with its #, or empty. */
+/** Returns the route of a URL. `path` is its path, and `hash` its fragment with the #, or empty. */
 export function routeOf(path: string, hash: string): Route {
   const [, first = "", second = ""] = path.split("/");
   const page = Object.hasOwn(pages, first) ? pages[first] : undefined;

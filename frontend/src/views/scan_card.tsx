@@ -13,11 +13,11 @@ import { Bar } from "./shell";
 import { useApp } from "./state";
 import { useThumbnail } from "./thumbnail";
 
-/** Scans without a title are told apart by when they were added. */
+/** Returns the title of a scan. Scans without one are distinguished by the time of their upload. */
 export const titleOf = (set: DataSet): string =>
   set.title || (set.is_sample ? t.scans.sampleTitle : t.scans.untitledOn(dateText(set.created_at)));
 
-/** The kind of scan, if its files say it. */
+/** The kind of scan, if its files state it. */
 export function KindChip({ set }: { readonly set: DataSet }) {
   const kind = set.volume?.modality ?? "OTHER";
   return kind === "OTHER" ? null : <span class="chip">{t.sharing.gallery.kinds.names[kind]}</span>;
@@ -82,7 +82,7 @@ export function ScanCard({ set, upload, onRemove, onRename, onViews, onLabels }:
   );
 }
 
-/** Shown in place of a picture. */
+/** The icons that are shown in place of a picture. */
 const iconOfState = {
   uploading: "upload",
   queued: "clock",

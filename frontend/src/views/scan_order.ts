@@ -10,8 +10,8 @@ export const scanOrderOf = (text: string | null): ScanOrder => scanOrders.find((
 type Ordered = Pick<DataSet, "title" | "created_at" | "volume">;
 
 /**
- * Sorts by title alphabetically, by date with the newest first, or by size with the largest first. Scans without that
- * property come last. Ties, and "added", keep the order of the server.
+ * Sorts scans by title alphabetically, by date with the newest first, or by size with the largest
+ * first. Scans without that property come last. Ties, and "added", keep the order of the server.
  */
 export function inOrder<Set extends Ordered>(sets: readonly Set[], order: ScanOrder, locale: string): readonly Set[] {
   if (order === "added") return sets;

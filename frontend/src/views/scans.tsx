@@ -119,7 +119,7 @@ function RemoveDialog({ set, uploading, onNo, onYes }: RemoveDialogProps) {
   );
 }
 
-/** The choice is remembered in this browser. */
+/** The choice of the order, which is remembered in this browser. */
 function OrderChoice({
   order,
   onChoose,

@@ -154,7 +154,8 @@ function RecoveryCodes({ codes, onKept }: { readonly codes: readonly string[]; r
   const heading = useRef<HTMLHeadingElement>(null);
   const [told, setTold] = useState("");
   const text = t.secondFactor;
-  // The QR code above has gone, so without the focus the window would show the end of the list.
+  // The QR code above has disappeared, so without the focus the window would show the end of the
+  // list.
   useEffect(() => heading.current?.focus(), []);
   const copy = async () => {
     try {

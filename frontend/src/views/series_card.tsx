@@ -16,9 +16,9 @@ export interface SeriesCardProps {
   readonly title: string;
   readonly verdict: Suitable;
   readonly files: readonly File[];
-  /** ScanResult.unpacked. */
+  /** The files of archives (`ScanResult.unpacked`). */
   readonly unpacked: ScanResult["unpacked"];
-  /** Nothing else can be uploaded from this folder. */
+  /** Whether nothing else can be uploaded from this folder. */
   readonly only: boolean;
   /** Given if this series is recommended among several. */
   readonly best: Recommendation["why"] | null;

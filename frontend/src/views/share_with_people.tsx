@@ -43,7 +43,7 @@ function useSharedPeople(dataSetId: string) {
   useEffect(() => {
     app.api.sharing.people(dataSetId).then(setPeople, () => undefined);
   }, [app, dataSetId]);
-  /** `done` is called when the person has been added. */
+  /** Shares the scan with a person. `done` is called when the person has been added. */
   const add = (email: string, may: Permission, done: () => void) =>
     act(async () => {
       await app.api.sharing.shareWith(dataSetId, email, may);

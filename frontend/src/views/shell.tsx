@@ -20,7 +20,10 @@ export function ThemeSwitch() {
   );
 }
 
-/** Each language has its own name in the list, so that people find theirs in any language. */
+/**
+ * The choice of the language. Each is listed under its native name, so that people find theirs in
+ * any language.
+ */
 function LanguageChoice() {
   return (
     <label class="language">

@@ -19,7 +19,7 @@ export class AppState {
   readonly uploads = new Uploads(this.api);
   /** Null if nobody is signed in, undefined until the server has responded. */
   readonly me = signal<Me | null | undefined>(undefined);
-  /** The first request has failed so far and is repeated. */
+  /** Whether the first request has failed so far. It is repeated until it succeeds. */
   readonly unreachable = signal(false);
   /** The result of the last action, shown once on the front page. */
   readonly signOutNotice = signal("");
@@ -38,7 +38,7 @@ export class AppState {
 
   signedIn(me: Me): void {
     if (this.me.value && this.me.value.id !== me.id) {
-      // The link in a mail can sign in another user than the one in this browser.
+      // The link in an email may sign in another user than the current one.
       this.uploads.stopAll();
       tab.clear();
     }
@@ -55,7 +55,7 @@ export class AppState {
     }
   }
 
-  /** The user is signed out. The front page shows `signOutNotice`. */
+  /** Signs the user out on this page. The front page shows `signOutNotice`. */
   leave(signOutNotice: string): void {
     tab.clear();
     this.signOutNotice.value = signOutNotice;

@@ -1,6 +1,6 @@
 /** An estimate of the strength of a new password before it is sent. Only the server knows the common ones. */
 
-/** In characters as users count them, like the server's limit. */
+/** The minimum length in characters as users count them, like the server's limit. */
 export const shortestPassword = 12;
 
 export interface Strength {
@@ -10,7 +10,7 @@ export interface Strength {
   readonly missing: number;
 }
 
-/** Only the length counts, and repeated characters count as one. */
+/** Estimates the strength by the length alone, in which repeated characters count as one. */
 export function strengthOf(password: string): Strength {
   const characters = Array.from(password);
   const missing = Math.max(0, shortestPassword - characters.length);

@@ -1,6 +1,9 @@
 type Task = () => Promise<void>;
 
-/** Runs tasks one by one. Those that a user waits for go before those that prepare something. */
+/**
+ * Runs tasks one by one. Tasks that a user waits for take precedence over those that prepare
+ * something.
+ */
 export class TaskQueue {
   private readonly awaited: Task[] = [];
   private readonly preparing: Task[] = [];

@@ -13,7 +13,7 @@ const requests = new TaskQueue();
 const longestWaitMs = 8000;
 const mostTries = 60;
 
-/** The server answers this while it renders the picture or others before it. */
+/** Whether the server is still rendering the picture or others before it. */
 const isBeingMade = ({ kind }: ApiProblem): boolean => kind === "busy" || kind === "too-many";
 
 /** Whether a further request for the picture may succeed. */
@@ -23,9 +23,9 @@ const busy: Later = ({ status }) => status === 0 || status === 429 || status >= 
 const notYet: Later = (problem) => problem.status === 404 || busy(problem);
 
 export interface Picture {
-  /** Null until the picture exists. It is requested again until then. */
+  /** The URL of the picture, or null until it exists. It is requested again until then. */
   readonly url: string | null;
-  /** Whether the server cannot make it now, or does not have it. */
+  /** Whether the server cannot render the picture now, or does not have it. */
   readonly missing: boolean;
 }
 
@@ -132,7 +132,7 @@ export function useWarmThumbnails(dataSets: readonly DataSet[]): void {
         .addPreparation(async () => {
           if (!leaving.signal.aborted) await app.api.thumbnail(id, look, leaving.signal);
         })
-        .catch(() => undefined); // whoever shows it asks again
+        .catch(() => undefined); // a component that shows the picture requests it again
     return () => leaving.abort();
   }, [app, key]);
 }

@@ -12,7 +12,7 @@ export function useSamples(): readonly DataSet[] | null {
     app.api.sharing.gallery(wholeGallery, null, leaving.signal).then(
       ({ items }) => setSamples(items.filter((set) => set.is_sample)),
       () => {
-        if (!leaving.signal.aborted) setSamples([]); // the page is whole without them
+        if (!leaving.signal.aborted) setSamples([]); // the page is complete without them
       },
     );
     return () => leaving.abort();

@@ -6,7 +6,10 @@ import { t } from "../texts";
 import { startPolling } from "./polling";
 import { useApp, type AppState } from "./state";
 
-/** So that a person who looks at the list knows within 3 s that the server is unavailable. */
+/**
+ * Intervals between requests, short enough for a user who looks at the list to learn within 3 s
+ * that the server is unavailable.
+ */
 const pollMs = { idle: 2500, hidden: 15_000, changing: 1500, failed: 2500 } as const;
 
 /** The user's scans. The list is polled, more often while one of them changes. */
@@ -37,7 +40,8 @@ export function useScans() {
       }
     };
     const polling = startPolling(load);
-    // Reports a lost network immediately, and loads the list again when the network is back or the page is looked at.
+    // Reports a lost network immediately, and loads the list again when the network is back or the
+    // page is visible again.
     for (const event of ["online", "offline"]) addEventListener(event, polling.now, { signal: leaving.signal });
     document.addEventListener("visibilitychange", () => document.hidden || polling.now(), { signal: leaving.signal });
     return () => {
@@ -54,7 +58,7 @@ export function useScans() {
     }
     setRound(round + 1);
   };
-  /** Rejects with ApiProblem. */
+  /** Changes the title of a scan. Rejects with ApiProblem. */
   const rename = async (set: DataSet, title: string) => {
     const changed = await app.api.sharing.describe(set.id, { title });
     setSets((before) => before?.map((one) => (one.id === set.id ? changed : one)) ?? null);
@@ -63,7 +67,10 @@ export function useScans() {
   return { sets, fault, remove, rename, reload };
 }
 
-/** Elsewhere, these mean that what a person asked for has failed. The list is loaded again by itself. */
+/**
+ * Whether the server is unavailable. The list is then loaded again automatically, while other pages
+ * report that the user's action has failed.
+ */
 const isServerAway = (thrown: unknown): boolean =>
   thrown instanceof ApiProblem && (thrown.kind === "unavailable" || thrown.kind === "busy");
 

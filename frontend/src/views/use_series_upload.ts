@@ -45,7 +45,7 @@ export function useSeriesUpload(
   return { bytes, busy, begun, interruptedAt, fault: fault || overQuota, start };
 }
 
-/** How many percent of these files an interrupted upload has sent, or null if there is none. */
+/** The percentage of these files that an interrupted upload has sent, or null if there is none. */
 function useInterruption(fingerprint: string, bytes: number): number | null {
   const app = useApp();
   const [percent, setPercent] = useState<number | null>(null);
@@ -58,7 +58,7 @@ function useInterruption(fingerprint: string, bytes: number): number | null {
   return percent;
 }
 
-/** The errors that only an upload can have. */
+/** Returns the message for an error that only an upload can have, or null. */
 function uploadFault(thrown: unknown, bytes: number, free: number): string | null {
   if (thrown instanceof SentElsewhere) return t.add.sentElsewhere;
   if (thrown instanceof DamagedPiece) return t.add.damagedInArchive;

@@ -74,7 +74,10 @@ function viewerOf({ route, email, link_created_at: linkCreatedAt }: ViewEntry): 
   return text.routes[route];
 }
 
-/** The start of the network's address says little, so the owner reads first whether it is their own. */
+/**
+ * Returns a text for the network. The start of its address says little, so the owner's own network
+ * is named as such.
+ */
 function networkOf({ network, same_network: same }: ViewEntry): string {
   if (same) return t.sharing.views.sameNetwork;
   return network === "" ? "" : t.sharing.views.network(network.replace(/\.0\.0\/16$|:?:\/32$/, "…"));

@@ -51,7 +51,8 @@ class Phase:
 
 
 class Ordinary(threading.Thread):
-    """Drags and looks at pages now and then. Records into `phase`, the current phase."""
+    """A user who drags the picture and opens pages now and then. Records into `phase`, the current
+    phase."""
 
     def __init__(self, person: Person, data_set: str, seed: int):
         super().__init__(daemon=True)
@@ -67,7 +68,7 @@ class Ordinary(threading.Thread):
             try:
                 self.viewer = self.viewer or self.person.viewer(self.data_set, WIDTH, HEIGHT)
                 self._drag(self.viewer)
-            except Exception as failed:  # noqa: BLE001 - whatever it was, this person saw it fail
+            except Exception as failed:  # noqa: BLE001 - for the user, any error is a failure
                 self._note(failure=f"stream: {type(failed).__name__} {failed}"[:200])
                 self.viewer = None
                 time.sleep(0.2)
@@ -90,7 +91,7 @@ class Ordinary(threading.Thread):
         try:
             answer = self.person.http.get(path)
             self._note(requests=1, failure="" if answer.status_code == 200 else f"{path}: {answer.status_code}")
-        except Exception as failed:  # noqa: BLE001 - as above
+        except Exception as failed:  # noqa: BLE001 - the same
             self._note(requests=1, failure=f"{path}: {type(failed).__name__}")
 
     def _note(self, delay_ms: float | None = None, requests: int = 0, failure: str = "") -> None:
@@ -179,7 +180,7 @@ def _p95(phase: Phase) -> float:
 
 
 def results_of(calm: list[Phase], attacked: list[Phase], ended: list[str]) -> list[Result]:
-    """Each ratio compares the two phases of one pair."""
+    """Returns the results. Each ratio compares the two phases of one pair."""
     ratios = [_p95(under) / _p95(before) for before, under in zip(calm, attacked, strict=True)]
     spread = statistics.stdev(ratios) if len(ratios) > 1 else 0.0
     ratio = statistics.median(ratios)

@@ -90,7 +90,7 @@ def filled(found: dict) -> list[Result]:
 def _listed(quick: bool, options: argparse.Namespace, nodes: int) -> list[Result]:
     from scale_run import listed
 
-    # 10,000 sessions as in the limit, on as many nodes as they need.
+    # As many sessions as the limit allows, 10,000, on as many nodes as they need.
     found = listed(8 * options.nodes if options.nodes else 160 if quick else 10_000)
     _write(options, "listed", found)
     return restarted(found)

@@ -88,7 +88,7 @@ def measure(quick: bool) -> list[Result]:
 
 
 def _results(state: str, found: list[tuple[str, float]]) -> list[Result]:
-    """An input without an answer counts as NO_ANSWER_MS."""
+    """Returns the results. An input without a response counts as NO_ANSWER_MS."""
     took = [ms for _, ms in found]
     worst = sorted(found, key=lambda one: one[1], reverse=True)[:5]
     say(f"{len(found)} moves, renderer {state}; slowest: " + ", ".join(f"{label} {ms:.1f} ms" for label, ms in worst))

@@ -18,7 +18,7 @@ PROGRAMS = ("diaphane-renderd-bench",)
 NO_DEVICE = 69
 SCENES = paths.REPO / "tests" / "scenes"
 
-# Two cores trace some million samples per second, a GPU some thousand million.
+# Two cores trace some million samples per second, and a GPU some billion.
 SIZES = {"cpu": ("64x64", 256), "cuda": ("512x512", 1024)}
 
 
@@ -97,7 +97,8 @@ def _converge(scene: Path, engine: str, quick: bool, options: argparse.Namespace
 
 
 def results_of(report: dict) -> list[Result]:
-    """Time to the target, slope, and ratio of the estimate to the true error above 64 samples."""
+    """Returns the time to the target, the slope, and the ratio of the estimate to the true error
+    above 64 samples."""
     results = []
     for curve in _curves(report):
         name = f"{report['scene']}, {report['engine']}, {curve['name']}"

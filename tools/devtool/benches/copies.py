@@ -105,7 +105,7 @@ def _results(name: str, seen: list[Seen], at_most: float | None) -> list[Result]
 
 
 def _first_picture(stack, person: Person, data_set: str) -> Seen:
-    """Measures with a renderd that has not loaded any volume."""
+    """Measures the first picture of a renderd that has not loaded any volume."""
     stack.stop_program("renderd")
     stack.start_program("renderd")
     stack.wait_ready("renderd", 30)

@@ -68,7 +68,8 @@ def _grow(engine: str, quick: bool, options: argparse.Namespace) -> dict | None:
 
 
 def results_of(report: dict) -> list[Result]:
-    """The exponents with which time and memory grow with the voxels, at one canvas, and with the pixels, on one volume."""
+    """Returns the exponents with which time and memory grow with the voxels, at one canvas, and
+    with the pixels, on one volume."""
     rows = [row for row in report["rows"] if "left_out" not in row]
     results = []
     for walk in dict.fromkeys(row["walk"] for row in rows):

@@ -96,7 +96,8 @@ def _processor_time(pid: int) -> float:
 
 
 def _pixels(z: int) -> bytes:
-    """Noise around a bright tube, different in each slice, so that it compresses no better than a real scan."""
+    """Returns noise around a bright tube, different in each slice, so that it compresses no better
+    than a real scan."""
     import numpy as np
 
     y, x = np.mgrid[:SIDE, :SIDE]
@@ -106,7 +107,7 @@ def _pixels(z: int) -> bytes:
 
 
 def _files(lean: float, packing: str = "") -> Iterator[bytes]:
-    """1000 slices, 0.7 mm apart, each shifted by `lean` mm per mm along its columns."""
+    """Yields 1000 slices, 0.7 mm apart, each shifted by `lean` mm per mm along its columns."""
     from ..ingest_cases.phantom import Series, Slice, dataset
 
     class Blank(Series):
@@ -117,7 +118,7 @@ def _files(lean: float, packing: str = "") -> Iterator[bytes]:
     y, z, uid = "12345678.125", "87654321.125", "2.25.11111111111"
     ds = dataset(Blank(), Slice((0.0, float(y), float(z)), pixel=(0.7, 0.7), rows=SIDE, columns=SIDE, intercept=-1024.0, uid=uid))
     if packing:
-        # decoded each time, so as slow as 1000 different ones
+        # each is decoded again, so that these are as slow as 1000 different ones
         models = [_packed(ds, _pixels(50 * i), packing) for i in range(20)]
     else:
         models = [_saved(ds)[:-2 * SIDE * SIDE]]

@@ -15,7 +15,8 @@ from ..console import CliError, say
 
 ABOUT = "many concurrent viewers, some of whom drag: input to frame (p50, p95, p99) and where the time goes (--sessions, --moving, --find)"
 PROGRAMS = ("diaphane-load", "diaphane-renderd", "diaphane-gateway")
-# For a machine without a GPU: two cores trace a viewport of this size in some milliseconds.
+# The load for a machine without a GPU: two cores trace a viewport of this size in some
+# milliseconds.
 CPU_SESSIONS, CPU_SIZE = 8, "160x90"
 
 
@@ -57,7 +58,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
 
 def results_of(report: dict, repeats: int, bound: float | None) -> list[Result]:
-    """Results of the requested runs, followed by those of a search."""
+    """Returns the results of the requested runs, followed by those of a search."""
     runs = report["runs"][:repeats]
     name = f"{runs[0]['sessions']} sessions, {runs[0]['moving']} moving, {runs[0]['width']} x {runs[0]['height']}"
 

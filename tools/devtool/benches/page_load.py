@@ -11,7 +11,7 @@ ABOUT = "size of the page and time until it is usable, over loopback (targets: 3
 PAGE = True
 
 MOST_KB, MOST_MS = 300.0, 1000.0
-#: From the start of the navigation.
+#: Returns times in ms from the start of the navigation, and the transferred bytes.
 TIMES = """() => {
     const [page] = performance.getEntriesByType("navigation");
     const shown = performance.getEntriesByName("first-contentful-paint")[0];

@@ -101,7 +101,7 @@ def _bench(*words: str) -> str:
 
 
 def _results(report: dict, how: str) -> list[Result]:
-    """The targets whose rows were measured."""
+    """Returns the results for the targets whose rows were measured."""
     rows = {(row["trace"], row["sessions"], row["policy"]): row["figures"] for row in report["rows"]}
     results = []
     for (trace, sessions, policy), figures in rows.items():

@@ -82,7 +82,7 @@ def _watched(stack, people: subprocess.Popen, every: float) -> tuple[dict, dict[
         for program in WATCHED:
             try:
                 measured = held(pids[program])
-            except (OSError, KeyError) as gone:  # a process that is exiting has no memory either
+            except (OSError, KeyError) as gone:  # an exiting process has no memory
                 people.kill()
                 raise CliError(f"{program} exited after {now:.0f} s; last lines of its log:\n"
                                  + logfiles.tail(stack.log_path(program), 30)) from gone
@@ -103,7 +103,7 @@ def _watched(stack, people: subprocess.Popen, every: float) -> tuple[dict, dict[
 
 
 def memory_allowed(program: str, visits: int, part: float) -> float:
-    """Returns the megabytes for `part` of the time, in which there were this many visits."""
+    """Returns the memory in MB that may be lost during `part` of the time with these visits."""
     return PER_VISIT_KB[program] * visits * part / 1e3
 
 

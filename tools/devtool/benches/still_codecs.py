@@ -32,7 +32,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
 
 def results_of(rows: list[dict]) -> list[Result]:
-    """`rows`: Google Benchmark's aggregates of each codec."""
+    """Returns the results. `rows` contains Google Benchmark's aggregates of each codec."""
     results = []
     spread = {row["run_name"]: row["cpu_time"] for row in rows if row["aggregate_name"] == "stddev"}
     for row in rows:

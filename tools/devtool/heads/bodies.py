@@ -57,7 +57,7 @@ Paint = Callable[[Canvas, np.random.Generator], None]
 
 
 def head(c: Canvas, rng: np.random.Generator) -> None:
-    """The centre of the brain is at 0."""
+    """Paints a head, with the centre of the brain at 0."""
     s = rng.uniform(0.82, 1.08)                     # from a three-year-old child to a large man
     brain = np.array([66, 82, 62]) * s * rng.uniform(0.95, 1.05, 3)
     skull, scalp = rng.uniform(4, 8), rng.uniform(4, 8)
@@ -190,7 +190,7 @@ def knee(c: Canvas, rng: np.random.Generator) -> None:
 
 
 def foot(c: Canvas, rng: np.random.Generator) -> None:
-    """The foot of a person who lies on their back: toes up, sole towards the feet."""
+    """Paints the foot of a person who lies on their back: toes up, sole towards the feet."""
     s = rng.uniform(0.85, 1.1)
     c.paint((c.ring((0, 40 * s), (45 * s, 48 * s)) < 1) & (c.z > -20), SOFT)
     c.ball((0, 62 * s, -25 * s), (38 * s, 38 * s, 45 * s), SOFT)
@@ -213,7 +213,7 @@ def hand(c: Canvas, rng: np.random.Generator) -> None:
 
 
 def shoulders(c: Canvas, rng: np.random.Generator) -> None:
-    """The neck without a skull, and the body below it."""
+    """Paints the neck without a skull, and the body below it."""
     s = rng.uniform(0.85, 1.1)
     c.paint(c.ring((0, 15 * s), (60 * s, 62 * s)) < 1, SOFT)
     c.ball((0, 20 * s, -150 * s), (215 * s, 85 * s, 110 * s), SOFT)
@@ -241,7 +241,7 @@ def box(c: Canvas, rng: np.random.Generator) -> None:
 
 
 def hollow(c: Canvas, rng: np.random.Generator) -> None:
-    """A phantom for calibrating a scanner: water in plastic, with rods."""
+    """Paints a phantom for calibrating a scanner: water in plastic, with rods."""
     radius, half = rng.uniform(70, 110), rng.uniform(60, 120)
     ring = c.ring((0, 0), (radius, radius))
     c.paint((ring < 1) & c.between(-half, half), TABLE)
@@ -252,7 +252,7 @@ def hollow(c: Canvas, rng: np.random.Generator) -> None:
 
 
 def nothing(c: Canvas, rng: np.random.Generator) -> None:
-    """Air, sometimes with a table."""
+    """Paints nothing but, sometimes, a table."""
     if rng.random() < 0.5:
         c.paint((c.y > 60) & (c.y < 70), TABLE)
 
@@ -267,7 +267,7 @@ class View:
 
 
 def look(paint: Paint, view: View, shown: str, seed: int, most_turn: float = 8, spacing: float = 3.0) -> Scan:
-    """Returns a body of that kind in a scanner. All random choices derive from `seed`."""
+    """Returns a scan of a body of that kind. All random choices derive from `seed`."""
     rng = np.random.default_rng(seed)
     low, high = np.array(view.low, float), np.array(view.high, float)
     low, high = low + rng.uniform(-view.off, view.off, 3), high + rng.uniform(-view.off, view.off, 3)
@@ -282,7 +282,8 @@ def look(paint: Paint, view: View, shown: str, seed: int, most_turn: float = 8, 
     if shown == "CT":
         values = values + rng.normal(0, rng.uniform(5, 40), values.shape)
         return Scan(_stored(values), tuple(float(s) for s in step), np.eye(3), "CT")
-    # The field of a coil: up to a third weaker at one side, sometimes fading towards the ends.
+    # Simulates the field of a coil: up to a third weaker at one side, sometimes fading towards the
+    # ends.
     way = rng.normal(size=3)
     field = 1 - 0.33 * (1 + (x * way[0] + y * way[1] + z * way[2]) / (np.linalg.norm(way) * 200)) / 2
     if rng.random() < 0.3:

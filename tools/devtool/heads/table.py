@@ -53,7 +53,7 @@ WEIGHTINGS = ("T1", "T2", "FLAIR")
 
 
 def made(count: int, seeds: int) -> Iterator[Sample]:
-    """`count` of each kind in CT and as many in MR, a third in each weighting."""
+    """Yields `count` samples of each kind in CT and as many in MR, a third in each weighting."""
     for modality in ("CT", "MR"):
         def shown(i: int) -> str:
             return "CT" if modality == "CT" else WEIGHTINGS[i % 3]

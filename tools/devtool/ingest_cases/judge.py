@@ -18,7 +18,8 @@ from .phantom import Values
 
 @dataclass(frozen=True)
 class Judged:
-    """`outcome`: "built", "refused: code", or "not listed". For several series, the result of joined()."""
+    """The result for a folder. `outcome` is "built", "refused: code" or "not listed", or for
+    several series that of joined()."""
 
     outcome: str
     words: str                      # repairs, or the reason for a refusal
@@ -60,7 +61,7 @@ class Volume:
 
 
 def on_server(folder: Path, scratch: Path, *options: str) -> Judged:
-    """Uses `diaphane-scan`, which judges and builds like ingestd."""
+    """Returns the result of `diaphane-scan`, which judges and builds like ingestd."""
     target = scratch / "volume"
     done = subprocess.run([str(paths.build_dir() / "bin" / "diaphane-scan"), str(folder), "--json", "--build", str(target),
                            *options], capture_output=True, text=True)
@@ -89,8 +90,9 @@ def _read(target: Path, series: list[dict]) -> Volume:
 
 
 def in_browser(folders: list[Path], out: Path) -> list[Judged]:
-    """Uses the page's own scanner (frontend/src/scan), which Node runs on the files of each folder. For a folder with a suitable
-    series, out/<number> contains what the page would send, unpacked."""
+    """Returns the results of the page's own scanner (frontend/src/scan), which Node runs on the
+    files of each folder. For a folder with a suitable series, out/<number> contains what the
+    page would send, unpacked."""
     script = paths.FRONTEND / "dev" / "judge_folders.mjs"
     out.mkdir()
     done = subprocess.run([str(venv.ensure_node() / "node"), str(script), str(out), *map(str, folders)], cwd=paths.FRONTEND,

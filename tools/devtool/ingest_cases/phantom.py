@@ -27,18 +27,19 @@ Values = Callable[[Places], np.ndarray]
 
 
 def even(places: Places) -> np.ndarray:
-    """Values that rise by 20, 30 and 50 per mm along x, y and z. In every case below, half a voxel makes a difference of 7 or
-    more."""
+    """Returns values that rise by 20, 30 and 50 per mm along x, y and z. In every case below, half
+    a voxel makes a difference of 7 or more."""
     return 1000 + 20 * places[..., 0] + 30 * places[..., 1] + 50 * places[..., 2]
 
 
 def lifted(places: Places) -> np.ndarray:
-    """The same values raised to be nowhere below 0, for MR and PET."""
+    """Returns the same values raised to be nowhere below 0, for MR and PET."""
     return even(places) + 3000
 
 
 def markers(*where: Sequence[float], radius: float = 3.0) -> Values:
-    """Air with a soft ball (a Gaussian of that standard deviation in mm) at each place."""
+    """Returns a phantom of air with a soft ball (a Gaussian of that standard deviation in mm) at
+    each place."""
     def values(places: Places) -> np.ndarray:
         total = np.full(places.shape[:-1], -1000.0)
         for place in where:
@@ -120,8 +121,8 @@ def dataset(series: Series, one: Slice) -> Dataset:
 
 
 def enhanced(series: Series, slices: Sequence[Slice], frames: Sequence[dict] | None = None) -> Dataset:
-    """Returns all slices as frames of one enhanced file. `frames`: frame types by StackID. Frames of one file have the same size.
-    """
+    """Returns all slices as frames of one enhanced file. `frames` contains the frame types by
+    StackID. Frames of one file have the same size."""
     first = slices[0]
     ds = _head(series, generate_uid())
     ds.NumberOfFrames = len(slices)

@@ -36,7 +36,7 @@ def _changed(slices: list[Slice], change: Callable[[Dataset, np.ndarray], np.nda
 
 
 def padded(series: Series, slices: list[Slice], padding: int) -> Make:
-    """A round field of view whose corners are padding."""
+    """Writes slices with a round field of view, whose corners are padding."""
     def change(ds: Dataset, stored: np.ndarray) -> np.ndarray:
         ds.add_new(0x00280120, "SS" if series.signed else "US", padding)
         y, x = np.ogrid[:ds.Rows, :ds.Columns]
@@ -46,7 +46,7 @@ def padded(series: Series, slices: list[Slice], padding: int) -> Make:
 
 
 def dirty_bits(slices: list[Slice], signed: bool) -> Make:
-    """12 bits in 16, with overlay or undefined data in the upper bits."""
+    """Writes slices of 12 bits in 16, with overlay or undefined data in the upper bits."""
     slices = [replace(one, intercept=1000.0 if signed else -1024.0) for one in slices]
 
     def change(_: Dataset, stored: np.ndarray) -> np.ndarray:
@@ -58,7 +58,7 @@ def dirty_bits(slices: list[Slice], signed: bool) -> Make:
 
 
 def displayed_inverted(slices: list[Slice]) -> Make:
-    """A CT that asks for an inverted display. Its values are Hounsfield units anyway."""
+    """Writes a CT that asks for an inverted display. Its values are Hounsfield units anyway."""
     def change(ds: Dataset, stored: np.ndarray) -> np.ndarray:
         ds.PhotometricInterpretation = "MONOCHROME1"
         return stored
@@ -146,7 +146,7 @@ def transfer_syntaxes(slices: list[Slice]) -> list[tuple[str, Make, float, str |
 
 
 def _by_dcmtk(folder: Path, slices: list[Slice], bits: int, command: list[str]) -> None:
-    """Uses DCMTK's encoders, which are independent of the tested decoders."""
+    """Writes slices with DCMTK's encoders, which are independent of the tested decoders."""
     if not shutil.which(command[0]):
         raise CliError(f"there is no {command[0]} (Debian's dcmtk)")
     series = Series(bits=bits)
@@ -169,7 +169,7 @@ def _by_dcmtk(folder: Path, slices: list[Slice], bits: int, command: list[str]) 
 def unsupported(slices: list[Slice]) -> Make:
     def make(folder: Path) -> None:
         write(folder, [dataset(Series(), one) for one in slices])
-        for file in folder.iterdir():     # claims another syntax, and the claim alone decides
+        for file in folder.iterdir():     # each file claims another syntax, which alone decides
             data = file.read_bytes()
             wanted = MPEG2MPML.encode()
             at = data.index(b"1.2.840.10008.1.2.1\0")

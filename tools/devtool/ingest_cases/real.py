@@ -31,7 +31,7 @@ def _copy(source: Path) -> Callable[[Path], None]:
 
 
 def _twenty(source: Path) -> Callable[[Path], None]:
-    """A series of one real image with unchanged encoded pixels in 20 places."""
+    """Writes a series of one real image with unchanged encoded pixels in 20 places."""
     def make(folder: Path) -> None:
         folder.mkdir(parents=True)
         ds = pydicom.dcmread(source)

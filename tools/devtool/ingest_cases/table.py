@@ -69,7 +69,7 @@ def _turned(degrees: float) -> tuple[float, ...]:
 
 
 def oblique() -> tuple[float, ...]:
-    """Rotated about all three axes."""
+    """Returns the orientation of slices that are rotated about all three axes."""
     a, b = math.radians(25), math.radians(-35)
     row = (math.cos(a), math.sin(a) * math.cos(b), math.sin(a) * math.sin(b))
     column = (-math.sin(a), math.cos(a) * math.cos(b), math.cos(a) * math.sin(b))
@@ -89,7 +89,7 @@ _FRAMES_MR = Series(ENHANCED_MR, values=lifted)
 _SCOUT = {"ImageType": ["ORIGINAL", "PRIMARY", "LOCALIZER"]}
 _PET = [replace(one, intercept=0.0, slope=0.5 + 0.05 * i) for i, one in enumerate(stack())]
 _SMALL_FRAMES = stack(20, rows=20, columns=24)
-# smaller images cannot be packed
+# Smaller images cannot be compressed with JPEG 2000.
 _J2K_FRAMES = pixels.compressed_frames(_FRAMES, stack(20, rows=32, columns=32), JPEG2000Lossless)
 
 

@@ -5,8 +5,9 @@ import { typeCodes } from "./nifti";
 const length = 352;
 
 /**
- * The header of the NIfTI-1 file that is uploaded (ingest/build/nifti.h): geometry, type, scale and modality. Nothing of
- * the original header is copied, because its texts may name the patient.
+ * Returns the header of the NIfTI-1 file that is uploaded (ingest/build/nifti.h): geometry, type,
+ * scale and modality. Nothing of the original header is copied, because its texts may name the
+ * patient.
  */
 export function canonicalHeader(image: ImageHeader & { readonly type: VoxelType }): Uint8Array<ArrayBuffer> {
   const bytes = new Uint8Array(length);

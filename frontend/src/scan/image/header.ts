@@ -21,7 +21,7 @@ export interface ImageHeader {
   readonly volumes: number;
   /** Number of values per voxel, such as the three of a colour. */
   readonly values: number;
-  /** Null for another type. */
+  /** The type of the values, or null for an unsupported one. */
   readonly type: VoxelType | null;
   readonly littleEndian: boolean;
   /** The step from voxel to voxel along each axis, in mm in the patient's space (LPS). Null if the file does not say. */
@@ -46,7 +46,7 @@ export const voxelBytes = ({ size: [x, y, z], type }: ImageHeader): number => x 
 
 export const fromRas = ([x, y, z]: Triple): Triple => [-x, -y, z];
 
-/** The place that three numbers mean, or null if they are not three numbers. */
+/** Returns a position, or null if one of its numbers is missing or not finite. */
 export const placeOrNull = (place: Triple): Triple | null => (place.every(Number.isFinite) ? place : null);
 
 export const triple = (numbers: readonly number[], at = 0): Triple => [
@@ -63,10 +63,15 @@ export const lengths = ([x, y, z]: readonly [Triple, Triple, Triple]): Triple =>
   Math.hypot(...z),
 ];
 
-/** "more": the header continues beyond `bytes`. Null: another format. */
+/**
+ * The result of reading a header: "more" if it continues beyond `bytes`, null for another format.
+ */
 export type ImageRead = ImageHeader | "more" | null;
 
-/** The lines at the beginning of a file up to an end, and where that end is. Null if it is not in `bytes`. */
+/**
+ * Returns the text before the match of `end` and the offset after it. Null if `bytes` contains no
+ * match.
+ */
 export function textBefore(bytes: Uint8Array, end: RegExp): { readonly text: string; readonly after: number } | null {
   // Latin-1, so that each character is one byte.
   const text = new TextDecoder("latin1").decode(bytes);
@@ -74,7 +79,7 @@ export function textBefore(bytes: Uint8Array, end: RegExp): { readonly text: str
   return found ? { text: text.slice(0, found.index), after: found.index + found[0].length } : null;
 }
 
-/** Numbers in a text, whatever stands between them. */
+/** Parses the numbers of a text, separated by blanks, commas or parentheses. */
 export const numbersIn = (text: string): number[] =>
   text
     .split(/[\s,()]+/)

@@ -13,19 +13,22 @@ export interface FoundImage {
   readonly header: ImageHeader;
 }
 
-/** A file to upload, and what in it are the voxels. */
+/** A file to upload, and where its voxels begin. */
 interface Voxels {
   readonly file: number;
   readonly blob: Blob;
   readonly from: number;
-  /** Whether `blob` replaces the file, because its voxels were packed. */
+  /** Whether `blob` replaces the file, because its voxels were compressed. */
   readonly isUnpacked: boolean;
 }
 
 const missing: Unsuitable = { suitable: false, reason: "no_voxels", count: 0 };
 const damaged: Unsuitable = { suitable: false, reason: "damaged", count: 0 };
 
-/** The series that a research file is, and the index of the second file if its voxels are in one. */
+/**
+ * Returns the series of a research file, and the index of the file with its voxels if they are in a
+ * second one.
+ */
 export async function imageSeries(
   { file, header }: FoundImage,
   pieces: readonly Piece[],
@@ -75,7 +78,10 @@ function blank(file: number, header: ImageHeader, pieces: readonly Piece[]): Omi
   };
 }
 
-/** The only file that is as long as the voxels must be. Not by its name, because files in archives have none here. */
+/**
+ * Returns the only file whose length is that of the voxels. Its name cannot be used, because files
+ * in archives have none here.
+ */
 function fileOfVoxels(header: ImageHeader, pieces: readonly Piece[]): number | null {
   const length = header.storedBytes ?? (header.coding === "raw" ? voxelBytes(header) : null);
   const fitting = pieces.flatMap(({ size }, i) => (size === length ? [i] : []));
@@ -113,7 +119,7 @@ async function thumbnailOf(
   }
 }
 
-/** Bytes that tell files apart: the header, the length, and three parts of the voxels. */
+/** Returns bytes that distinguish files: the header, the length, and three parts of the voxels. */
 async function identifying(head: Uint8Array, content: Blob): Promise<Iterable<number>> {
   const part = 64 * 1024;
   const parts = [0, content.size / 2, content.size - part].map((at) => Math.max(0, Math.floor(at)));

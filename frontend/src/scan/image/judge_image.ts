@@ -26,10 +26,10 @@ export function judgeImage(image: ImageHeader): Suitable | Unsuitable {
   };
 }
 
-/** NIfTI-1 counts in signed numbers of 16 bits. */
+/** Maximum of the signed 16-bit dimensions of NIfTI-1. */
 const mostSide = 32767;
 
-/** The same tolerance as in volume/header.cpp. */
+/** Whether the axes are orthogonal, with the same tolerance as in volume/header.cpp. */
 function isOrthogonal([x, y, z]: readonly [Triple, Triple, Triple]): boolean {
   const cosine = (a: Triple, b: Triple) =>
     (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / (Math.hypot(...a) * Math.hypot(...b));

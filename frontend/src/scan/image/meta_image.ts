@@ -51,7 +51,7 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
     values: Number(get("ElementNumberOfChannels") ?? 1),
     type: types[get("ElementType") ?? ""] ?? null,
     littleEndian: !isTrue(get("BinaryDataByteOrderMSB", "ElementByteOrderMSB")),
-    // Three numbers for each axis, in LPS.
+    // The matrix has three numbers for each axis, in LPS.
     axes:
       matrix.length === 9
         ? [

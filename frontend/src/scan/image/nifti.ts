@@ -123,7 +123,9 @@ function fields2(view: DataView, little: boolean): Fields {
   };
 }
 
-/** The matrix is preferred to the quaternion, as in ingest and most programs. */
+/**
+ * Returns the axes from the matrix, or else from the quaternion, as ingest and most programs do.
+ */
 function axesOf({ sform, srow, qform, quaternion, pixdim }: Fields, mm: number): ImageHeader["axes"] {
   const column = (i: number): Triple => [srow[i] ?? Number.NaN, srow[4 + i] ?? Number.NaN, srow[8 + i] ?? Number.NaN];
   const axes = sform > 0 ? ([column(0), column(1), column(2)] as const) : qform > 0 ? turned(quaternion, pixdim) : null;

@@ -63,7 +63,8 @@ export function readNrrd(bytes: Uint8Array): ImageRead {
 function headerOf(get: (...keys: readonly string[]) => string | undefined, begin: number | null): ImageHeader {
   const sizes = numbersIn(get("sizes") ?? "");
   const directions = vectorsOf(get("space directions"));
-  // In a file of four dimensions, the one without a direction counts volumes or values; without directions, the last one.
+  // In a file of four dimensions, the axis without a direction counts volumes or values. If no axis
+  // has a direction, it is the last one.
   const spatial = directions?.flatMap((one, i) => (one ? [i] : [])) ?? sizes.map((_, i) => i).slice(0, 3);
   const others = sizes.filter((_, i) => !spatial.includes(i)).reduce((product, size) => product * size, 1);
   const isInner = !spatial.includes(0); // the values of a voxel lie beside each other

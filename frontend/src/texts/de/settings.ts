@@ -22,7 +22,7 @@ const known: Readonly<Record<string, string>> = {
   sky: "Umgebungslicht",
 };
 const nameOf = (name: string): string => (Object.hasOwn(known, name) ? (known[name] ?? name) : name);
-/** A degree sign follows both numbers, without a space. */
+/** Formats a range. A degree sign follows both numbers, without a space. */
 const range = (low: string, high: string, unit: string): string =>
   (unit === "°" ? `${low}° und ${high}°` : `${low} und ${high}${unit ? ` ${unit}` : ""}`).replaceAll("-", "−");
 

@@ -1,9 +1,9 @@
 import type { Texts } from "../shape";
 import { count, fixed } from "./counting";
 
-/** A typographic minus. */
+/** Writes a typographic minus. */
 const signed = (text: string): string => text.replace("-", "−");
-/** The values of a CT are in Hounsfield units. */
+/** Adds the unit to the values of a CT, which are in Hounsfield units. */
 const withUnit = (text: string, hounsfield: boolean): string => `${signed(text)}${hounsfield ? " HE" : ""}`;
 
 export const slices: Texts["slices"] = {

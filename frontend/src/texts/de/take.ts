@@ -5,7 +5,7 @@ import { scans } from "./scans";
 const minutes = (seconds: number) => count(Math.max(1, Math.round(seconds / 60)), "Minute", "Minuten");
 const hours = (seconds: number) => count(Math.round(seconds / 3600), "Stunde", "Stunden");
 
-/** Says a time that lies between two numbers of seconds. */
+/** Returns a duration in words that lies between two numbers of seconds. */
 function between(least: number, most: number): string {
   if (most < 50) return "weniger als eine Minute";
   const last = most < 5400 ? minutes(most) : hours(most);

@@ -52,7 +52,7 @@ export const marks = {
     removeOf: (name: string) => `Delete ${name}`,
     removeSure: (name: string) => `Permanently delete “${name}” with all its marks and measurements?`,
   },
-  /** For pictures, links and presets. */
+  /** The option to include marks and measurements in a link or a preset. */
   include: (marks: number, measures: number) =>
     measures === 0
       ? `Include ${count(marks, "mark", "marks")}`

@@ -57,7 +57,7 @@ export function LabelsWindow({ session, picture }: PictureWindowProps) {
   );
 }
 
-/** Tells which label is at a point of the picture, and chooses it in the list. */
+/** Returns the name of the label at a point of the picture, and chooses it in the list. */
 async function nameAt(
   session: ViewerSession,
   { x, y }: { readonly x: number; readonly y: number },

@@ -8,14 +8,14 @@ import { t } from "../../texts";
 import { useApp, type AppState } from "../state";
 import { useLatest } from "../use_latest";
 
-/** What happens to a file of labels: it is read here, sent, and read by the server. */
+/** The steps of a file of labels: it is read here, sent, and processed by the server. */
 export type LabelsPhase = "reading" | "sending" | "placing";
 
 export interface LabelsTask {
   readonly labels: DataSet["labels"];
-  /** Null if nothing is going on. */
+  /** Null if no file is being processed. */
   readonly phase: LabelsPhase | null;
-  /** The part that was sent, from 0 to 1. */
+  /** The fraction that was sent, from 0 to 1. */
   readonly sent: number;
   readonly fault: string;
   readonly add: (file: File) => Promise<void>;
@@ -24,7 +24,7 @@ export interface LabelsTask {
 
 const pollMs = 700;
 
-/** The labels of a scan, and the upload of others. */
+/** The labels of a scan, and the upload of new ones. */
 export function useLabels(set: DataSet): LabelsTask {
   const app = useApp();
   const [labels, setLabels] = useState(set.labels);
@@ -79,12 +79,12 @@ interface SendEvents {
 function send(app: AppState, bundle: Blob, url: string, events: SendEvents): RunningUpload {
   return startUpload(bundle, url, () => app.api.csrfToken, {
     progress: (bytes, total) => events.progress(bytes / total),
-    stalled: () => undefined, // it resumes by itself, and the bar shows how far it is
+    stalled: () => undefined, // it resumes automatically, and the bar shows its progress
     end: ({ kind }) => (kind === "done" ? events.done() : events.failed(new LabelUploadError())),
   });
 }
 
-/** Asks again and again while the server reads a file of labels. */
+/** Polls while the server reads a file of labels. */
 function usePlacing(
   app: AppState,
   id: string,
@@ -117,7 +117,7 @@ function usePlacing(
   }, [app, id, on, events]);
 }
 
-/** The server rejected an upload permanently. */
+/** Thrown if the server has rejected an upload permanently. */
 class LabelUploadError extends Error {}
 
 function faultOf(thrown: unknown): string | null {

@@ -10,7 +10,7 @@ export interface DrawMarksProps {
   readonly change: (on: boolean) => void;
 }
 
-/** Whether the marks are drawn into a saved picture or video. Absent if there are none. */
+/** The option to draw the marks into a saved picture or video. Absent if there are none. */
 export function DrawMarks({ session, video = false, on, change }: DrawMarksProps) {
   const count = marksInPicture(session).length;
   if (count === 0) return null;

@@ -14,10 +14,13 @@ const mostCoverageBytes = 56_000;
 const lineHeight = 1.6;
 const ascent = 1.2;
 
-/** Returns the marks that a worker draws into a file of this size. It finds out by itself which are hidden. */
+/**
+ * Returns the marks that a worker draws into a file of this size. The worker determines which of
+ * them are hidden.
+ */
 export async function fileMarksOf(session: ViewerSession, size: Viewport): Promise<FileMarks> {
   const unit = Math.min(mostUnit, unitOf(session.viewport, size));
-  const marks = marksInPicture(session).slice(-mostFileMarks); // the own ones are the last
+  const marks = marksInPicture(session).slice(-mostFileMarks); // own marks are the last
   const most = Math.min(mostLabelPixels, mostPixelsOfLabels / Math.max(1, marks.length));
   const item = async ({ mark }: PaintedMark) => ({ mark, label: await labelOf(mark.text, unit, most) });
   return { unit, items: await Promise.all(marks.map(item)) };
@@ -32,7 +35,7 @@ async function labelOf(text: string, unit: number, mostPixels: number): Promise<
   }
 }
 
-/** Returns null if the label would be too large for a message. */
+/** Draws a text in this size. Returns null if the label would be too large for a message. */
 async function labelAt(text: string, unit: number, mostPixels: number): Promise<Omit<MarkLabel, "scale"> | null> {
   const font = textFont(unit);
   const meter = new OffscreenCanvas(1, 1).getContext("2d");

@@ -10,7 +10,7 @@ import { numberOf } from "./picture_marks";
 
 export type Decorate = (canvas: OffscreenCanvasRenderingContext2D, size: Area) => void;
 
-/** The marks that are drawn over the picture, those of the others first. */
+/** Returns the marks that are drawn over the picture, those of the others first. */
 export function marksInPicture({ marks, audience }: ViewerSession): readonly PaintedMark[] {
   const number = numberOf(roleOf(audience.value));
   const own = marks.shown.value ? marks.items.value : [];
@@ -20,13 +20,16 @@ export function marksInPicture({ marks, audience }: ViewerSession): readonly Pai
   ];
 }
 
-/** The size of a pixel of the page in a saved picture, so that lines and texts are as large as on the screen. */
+/**
+ * Returns the size of a pixel of the page in a saved picture, so that lines and texts are as large
+ * as on the screen.
+ */
 export const unitOf = (viewport: Area, size: Area): number =>
   Math.max(0.5, (size.height * devicePixelRatio) / viewport.height);
 
 /**
- * Draws the marks as they are now, even if they change before the picture is finished. `asShown`: the picture is that of
- * the screen, where a follower's has borders.
+ * Returns a function that draws the current marks, even if they change before the picture is
+ * finished. With `asShown`, the picture is that of the screen, where a follower's has borders.
  */
 export function decorationOf(session: ViewerSession, asShown = false): Decorate {
   const marks = marksInPicture(session);

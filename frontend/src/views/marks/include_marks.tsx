@@ -4,7 +4,7 @@ import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Switch } from "../viewer/settings/controls";
 
-/** The shown marks and the measurements of this viewer. */
+/** Returns the shown marks and the measurements of this viewer. */
 export const shownAnnotations = (session: ViewerSession): Annotations => {
   const all = annotationsOf(session, () => true);
   return session.marks.shown.value ? all : { ...all, marks: [] };
@@ -16,7 +16,7 @@ export interface IncludeMarksProps {
   readonly change: (on: boolean) => void;
 }
 
-/** Whether a link or a preset contains the marks and measurements. Absent if there are none. */
+/** The option to include marks and measurements in a link or a preset. Absent if there are none. */
 export function IncludeMarks({ session, on, change }: IncludeMarksProps) {
   const { marks, measures } = shownAnnotations(session);
   if (marks.length + measures.length === 0) return null;

@@ -16,7 +16,7 @@ export interface MarkHandlesProps {
   readonly locate: (at: Point) => Promise<Vec3 | null>;
 }
 
-/** After the last key, a mark settles on the surface. */
+/** Delay after the last key until a mark settles on the surface. */
 const settleMs = 250;
 
 /** The handles of this viewer's marks while their window is open: one moves a mark, and one its tail or its edge. */

@@ -13,11 +13,11 @@ export interface MarkMakerProps {
   readonly view: MarkView;
   readonly area: Area;
   readonly locate: (at: Point) => Promise<Vec3 | null>;
-  /** Whether it takes the focus, so that keys move its cross. */
+  /** Whether the maker takes the focus, so that keys move its cross. */
   readonly focused: boolean;
 }
 
-/** A shorter drag is a press, which makes a mark of the usual size. */
+/** Minimum length of a drag. A shorter one is a press, which creates a mark of the usual size. */
 const leastDragPx = 8;
 const usual: Readonly<Record<Mark["kind"], Point>> = {
   arrow: { x: -55, y: -45 },
@@ -25,7 +25,7 @@ const usual: Readonly<Record<Mark["kind"], Point>> = {
   text: { x: 0, y: 0 },
 };
 
-/** Makes the next mark where the view is pressed. A drag gives it its length or its size. */
+/** Creates the next mark where the view is pressed. A drag sets its length or size. */
 export function MarkMaker(props: MarkMakerProps) {
   const { marks, area, focused } = props;
   const button = useRef<HTMLButtonElement>(null);

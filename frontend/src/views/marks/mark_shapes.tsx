@@ -62,7 +62,10 @@ function MarkShape({ name, mark, view, area, chosen }: MarkShapeProps) {
 
 const corners = (points: readonly Point[]): string => points.map(({ x, y }) => `${x},${y}`).join(" ");
 
-/** The lines twice: dark and wide below, so that they can be seen on any picture. */
+/**
+ * Draws the lines of a mark in one of two layers. The lower one is dark and wide, so that they can
+ * be seen on any picture.
+ */
 function Lines({ shapes, layer }: { readonly shapes: Shapes; readonly layer: "mark-under" | "mark-over" }) {
   const { line, head, circle, dot } = shapes;
   return (

@@ -9,7 +9,7 @@ import { nameOf } from "../viewer/share_dialog";
 import { Switch, type WindowProps } from "../viewer/settings/controls";
 import { SavedMarks } from "./saved_marks";
 
-/** The window with which marks are made, changed and saved. */
+/** The window in which marks are created, changed and saved. */
 export function MarksWindow({ session }: WindowProps) {
   const { marks } = session;
   const chosen = marks.find(marks.selected.value);

@@ -17,7 +17,7 @@ export interface OpenLibraryProps {
 /** Loads the marks that are saved with the scan, and saves their changes. */
 export function OpenLibrary({ session, place, set, own }: OpenLibraryProps) {
   const { api } = useApp();
-  // The slices restore the measurements of this tab first.
+  // Waits for the volume, because the slices restore the measurements of this tab first.
   const ready = session.volume.value !== null && (set !== null || !own);
   const saves = set !== null && (set.owned || set.role === "shared-edit" || set.is_public);
   const shares = set?.owned ?? false;

@@ -15,10 +15,10 @@ export interface PictureMarksProps {
   readonly role: Role;
 }
 
-/** The number of this viewer in the session. */
+/** Returns the number of this viewer in the session, or 0 if it is unknown. */
 export const numberOf = ({ people, you }: Role): number => people.find(({ id }) => id === you)?.number ?? 0;
 
-/** The marks over the picture, where they are made and changed as well. */
+/** The marks over the picture, where they are also created and changed. */
 export function PictureMarks({ session, role }: PictureMarksProps) {
   const { marks } = session;
   const needed = marks.editing.value || marks.items.value.length + marks.others.value.size > 0;

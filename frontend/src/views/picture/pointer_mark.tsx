@@ -11,7 +11,7 @@ export interface PointerMarkProps {
   readonly name: string;
 }
 
-/** The space that a name may need. */
+/** The width in pixels that a name may need. */
 const nameWidth = 150;
 
 /** The pointer of a participant, with their name. */

@@ -7,7 +7,7 @@ import type { ViewerSession } from "../../video/viewer_session";
 /** Connects a session to the events of the page and to the gestures on the picture, until `signal` is aborted. */
 export function connectPage(session: ViewerSession, element: HTMLCanvasElement, signal: AbortSignal): void {
   const area = () => ({ width: element.clientWidth, height: element.clientHeight });
-  // Before the gestures, which a pointing finger makes none of.
+  // Attached before the gestures, so that a pointing finger makes none.
   const pointing = {
     isSeen: () => session.collaboration.points.value,
     point: (at: Point | null) => session.pointAt(at, area()),

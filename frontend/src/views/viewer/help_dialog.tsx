@@ -3,7 +3,7 @@ import { CloseButton, Dialog } from "../dialog";
 import { Icon, type IconName } from "../icons";
 
 export interface HelpDialogProps {
-  /** Which of the buttons are there. */
+  /** Which of the buttons this viewer has. */
   readonly has: {
     readonly slices: boolean;
     readonly account: boolean;

@@ -3,7 +3,10 @@ import { KernelOrigin, type KernelReport } from "../../protocol/file_messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 
-/** Longer than a pause within a gesture, and than the minimum interval that the worker allows. */
+/**
+ * Time for which a view must be shown before its kernel is requested: longer than a pause within a
+ * gesture, and than the minimum interval that the worker allows.
+ */
 const calmMs = 1000;
 
 /** The features that the render kernel includes and those that it leaves out. Shown on request. */

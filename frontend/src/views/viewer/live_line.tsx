@@ -46,7 +46,9 @@ function Notes({ session, owner }: Pick<LiveLineProps, "session" | "owner">) {
   );
 }
 
-/** The presenter's window is so wide that a phone held upright shows its picture very small. */
+/**
+ * Whether the presenter's window is so wide that a phone held upright shows its picture very small.
+ */
 function isWide(session: ViewerSession): boolean {
   const shown = session.pictures.picture.value;
   return shown !== null && shown.width > 1.3 * shown.height;

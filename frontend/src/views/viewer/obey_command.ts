@@ -7,7 +7,7 @@ export interface CommandTargets {
   readonly session: ViewerSession;
   /** The element that is shown in full screen. */
   readonly page: HTMLElement | null;
-  /** False while the scan is being cut, where slices are not offered. */
+  /** Whether slices are offered, which they are not while the scan is being cut. */
   readonly slices: boolean;
   readonly open: (dialog: OpenDialog) => void;
 }

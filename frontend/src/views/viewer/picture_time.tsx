@@ -72,7 +72,10 @@ export function PictureTimeOver() {
   );
 }
 
-/** The server's count. The less time is left, the more often it is requested. */
+/**
+ * The rendering time as the server counts it. The less time is left, the more often it is
+ * requested.
+ */
 function useRenderTime(): Me["render_time"] | null {
   const app = useApp();
   useEffect(() => {

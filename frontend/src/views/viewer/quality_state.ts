@@ -10,7 +10,10 @@ export interface QualityState {
   readonly part: number | null;
 }
 
-/** The progress of the picture, in words for a patient. A denoised picture counts like any other. */
+/**
+ * Returns the progress of the picture, in words for a patient. A denoised picture counts like any
+ * other.
+ */
 export function qualityState(
   facts: Pick<PictureFacts, "error" | "samples">,
   effort: Effort,

@@ -9,7 +9,7 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { CloseButton, Dialog } from "../dialog";
 import { useApp } from "../state";
 
-/** Whether the user's interaction is recorded. Null until the server has responded. */
+/** Whether the user's interaction is recorded. False until the server has responded. */
 const consent = signal(false);
 /** The maximum size of a request while a page closes. */
 const mostWhileLeaving = 60_000;
@@ -28,9 +28,9 @@ export function RecordedInteraction({ session }: { readonly session: ViewerSessi
     const recorder = new Recorder();
     const stop = effect(() => {
       const scene = session.editor.scene.value;
-      const others = !roleOf(session.audience.value).presents; // these are the presenter's actions, who was not asked for consent
+      const others = !roleOf(session.audience.value).presents; // the presenter gave no consent
       if (!consent.value || others)
-        recorder.take(session.viewport); // forgotten
+        recorder.take(session.viewport); // discards the events so far
       else if (scene) keep(api, recorder.add(scene, performance.now(), session.viewport), false);
     });
     const last = () => keep(api, recorder.take(session.viewport), true);
@@ -101,7 +101,7 @@ function useRecordings() {
       setMessage(app.explain(thrown));
     });
   };
-  /** The switch moves at once, and moves back only if the server refuses. */
+  /** Changes the consent. The switch moves at once, and moves back only if the server refuses. */
   const agree = (now: Recordings, consent: boolean) => {
     setMine({ ...now, consent });
     change(app.api.recordInteraction(consent), () => setMine(now));

@@ -82,7 +82,10 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
 
 const againAfterMs = 3000;
 
-/** Only the owner has this button. If they use a free camera, they return to the picture that they will present. */
+/**
+ * The button with which only the owner presents again. An owner with a free camera first returns to
+ * the picture that they will present.
+ */
 export function TakeBack({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
   const [taking, setTaking] = useState(false);
   const { you, freeCamera } = role;
@@ -100,12 +103,15 @@ export function TakeBack({ session, role }: { readonly session: ViewerSession; r
   );
 }
 
-/** Only this tab knows the link. The server stores only its hash and cannot show it again. */
+/**
+ * Returns the key of the link in this tab's storage. The server stores only the link's hash and
+ * cannot show it again.
+ */
 const memory = (sessionId: string) => `diaphane.link.${sessionId}`;
 
 /** The link with which others join, and their permissions. */
 function LinkPart({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
-  // Nobody who joined with the link is presenting any longer.
+  // Takes over, because a guest who was presenting has been disconnected.
   const ended = () => {
     if (role.follows && !role.freeCamera) session.handOver(role.you);
   };

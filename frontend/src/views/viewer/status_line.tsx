@@ -52,14 +52,14 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
   );
 }
 
-/** The panel that permanently replaces the picture, if there is one. */
+/** Returns the panel that permanently replaces the picture, if there is one. */
 function overOf(trouble: Trouble | null, visitor: Visitor | undefined): JSX.Element | null {
   if (trouble === "time_spent") return <PictureTimeOver />;
   return visitor && trouble === "link_ended" ? <VisitOver visitor={visitor} /> : null;
 }
 
 interface StatusMessageProps {
-  /** Nothing is wrong, but there is no picture yet. */
+  /** Whether nothing is wrong, but there is no picture yet. */
   readonly waiting: boolean;
   /** Whether the message stays until the user acts. */
   readonly bad: boolean;

@@ -41,7 +41,7 @@ export function ViewerStage({ canvas, session, role, picture, cutting }: ViewerS
   );
 }
 
-/** Data attributes that describe the shown picture, for tests and user scripts. */
+/** Returns data attributes that describe the shown picture, for tests and user scripts. */
 function pictureData(session: ViewerSession | null): Record<string, string> {
   const facts = session?.pictures.picture.value;
   if (!facts) return {};

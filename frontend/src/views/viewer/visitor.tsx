@@ -11,7 +11,7 @@ export interface Visitor {
   readonly again?: () => void;
 }
 
-/** The target of the back link at the top. */
+/** Returns the target of the back link at the top. */
 const returnPath = (visitor: Visitor): string => (visitor.kind === "sample" ? "/gallery" : "/");
 
 export interface WayBack {

@@ -5,7 +5,7 @@ import { showPreset } from "./preset_scene";
 
 const look = /^#look=([0-9a-f-]{36})$/;
 
-/** A gallery link names in its fragment the preset with which to show the scan. */
+/** Shows the scan with the preset that a gallery link names in its fragment. */
 export function WantedPreset({ session }: { readonly session: ViewerSession }) {
   const app = useApp();
   const ready = session.editor.scene.value !== null;

@@ -56,13 +56,14 @@ def chunk(kind: bytes, data: bytes) -> bytes:
 
 @functools.cache
 def pixels() -> bytes:
-    """A PNG of one bit per pixel, without its end."""
+    """Returns a PNG of one bit per pixel, without its end."""
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", SIDE, SIDE, 1, 0, 0, 0, 0))
             + chunk(b"IDAT", zlib.compress((b"\0" + b"\xff" * (SIDE // 8)) * SIDE, 9)))
 
 
 def texture(number: int) -> bytes:
-    """A PNG with the same pixels for each number, but different bytes, which no cache knows."""
+    """Returns a PNG with the same pixels for each number, but different bytes, which no cache
+    contains."""
     return pixels() + chunk(b"tEXt", b"Comment\0%d" % number) + chunk(b"IEND", b"")
 
 
@@ -78,7 +79,7 @@ def request(method: str, path: str, origin: str, body: bytes = b"", more: str = 
             f"Content-Length: {len(body) if length is None else length}\r\n\r\n").encode() + body
 
 
-# 250 connections from one address without an account
+# Attacks by 250 connections from one address without an account.
 
 async def one_of_a_crowd(attack: Attack, number: int) -> None:
     kinds = ("slow body", "slow body", "json", "join", "visit", "thumbnail", "upload")
@@ -132,7 +133,7 @@ async def crowd(attack: Attack) -> None:
     await asyncio.gather(*(one_of_a_crowd(attack, number) for number in range(attack.plan["connections"])))
 
 
-# On the stream, through a link or with an account
+# Attacks on the stream, through a link or with an account.
 
 def flood_of_a_stream(attack: Attack, viewer: Viewer, name: str, seed: int) -> None:
     """Sends scenes with large textures, and requests slices."""
@@ -175,7 +176,7 @@ def _read(viewer: Viewer, attack: Attack, taken: list[int]) -> None:
             ack = make()
             ack.ack.seq, ack.ack.epoch = message.frame.seq, message.frame.epoch
             viewer.socket_.send(ack.SerializeToString())
-    except Exception as ended:  # noqa: BLE001 - closed, or nothing arrives
+    except Exception as ended:  # noqa: BLE001 - the stream was closed, or nothing arrives
         attack.note(f"stream ended: {type(ended).__name__}")
 
 
@@ -212,7 +213,7 @@ def guest(attack: Attack, number: int) -> None:
                 own.free_camera.on = True
                 viewer.socket_.send(own.SerializeToString())
                 flood_of_a_stream(attack, viewer, "guest", number)
-        except Exception as failed:  # noqa: BLE001 - the server should refuse it in any way
+        except Exception as failed:  # noqa: BLE001 - any refusal is fine
             attack.note(f"guest: {type(failed).__name__}")
         time.sleep(0.5)
 
@@ -261,7 +262,7 @@ def account(attack: Attack, number: int) -> None:
         while not attack.over:
             try:
                 work()
-            except Exception as failed:  # noqa: BLE001 - refused in some way
+            except Exception as failed:  # noqa: BLE001 - any refusal is fine
                 attack.note(f"account {work.__name__}: {type(failed).__name__}")
             time.sleep(0.5)
 

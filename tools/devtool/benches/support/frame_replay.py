@@ -44,12 +44,13 @@ def record(person: Person, data_set: str, width: int, height: int, turns: int) -
         viewer.close()
 
 
-#: As in renderd: a picture is not sent while this many are unacknowledged (renderd/session/pictures.h).
+#: Limit of renderd: no picture is sent while this many are unacknowledged
+#: (renderd/session/pictures.h).
 IN_FLIGHT = 2
 
 
 class Played:
-    """The sent pictures and the acknowledgements of the page."""
+    """What was played: the sent pictures and the acknowledgements of the page."""
 
     def __init__(self) -> None:
         self.over = threading.Event()

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-# By label (outside, body, support, metal): factors of the grey value, and offsets that are added to it.
+# Tints by label (outside, body, support, metal): factors of the grey value, and offsets that are
+# added to it.
 _TINTS = np.array([[0.2, 0.2, 0.6], [1, 1, 1], [1, 0.25, 0.25], [1, 1, 0]])
 _FLOORS = np.array([[0, 0, 40], [12, 12, 12], [90, 0, 0], [120, 120, 0]])
 _GAP = 4

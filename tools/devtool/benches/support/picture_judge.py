@@ -10,15 +10,16 @@ import OpenEXR
 
 MOST_BURNT, MOST_BLACK = 0.005, 0.05
 LEAST_FILLED, MOST_FILLED = 0.5, 0.85
-#: 8-bit values: burnt out is white, and black is below 1% of the luminance of white.
+#: Limits of 8-bit values: burnt out is white, and black is below 1% of the luminance of white.
 BURNT, BLACK = 254, 25
-#: Pixels outside the body at each side of the picture are noise.
+#: Share of the subject's pixels that counts as noise outside the body, at each side of the picture.
 OUTLYING = 0.001
 
 
 @dataclass(frozen=True)
 class Judged:
-    """One finished picture. All are shares: of the subject's pixels, and of the picture's height and width."""
+    """The measures of one finished picture, as shares of the subject's pixels, and of the picture's
+    height and width."""
 
     scan: str
     preset: str
@@ -37,7 +38,8 @@ class Judged:
 
 
 def judge(scan: str, preset: str, picture: np.ndarray, subject: np.ndarray) -> Judged:
-    """`picture` is 8-bit RGB as it is shown, and `subject` true where the scan is."""
+    """Judges a picture. `picture` is 8-bit RGB as it is shown, and `subject` is true where the scan
+    is."""
     if not subject.any():
         return Judged(scan, preset, 0, 0, 0, 0)
     inside = picture[subject]
@@ -70,6 +72,6 @@ def _extent(counts: np.ndarray) -> float:
 
 
 def read_exr(file: Path) -> np.ndarray:
-    """Returns channel, row, column."""
+    """Returns an EXR picture as an array of channel, row and column."""
     with OpenEXR.File(str(file), separate_channels=True) as picture:
         return np.stack([picture.channels()[name].pixels for name in "BGR"])

@@ -11,7 +11,8 @@ import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-# Distinct on white and on near-black, and different in lightness where hues are similar.
+# Colours that are distinct on white and on near-black, and different in lightness where hues are
+# similar.
 COLOURS = ("#d1495b", "#2e86ab", "#3c9d5d", "#b8860b", "#8e5bb5", "#7a7a7a", "#d2691e", "#1b998b")
 _GREY = "#888888"
 STYLE = {"svg.fonttype": "none", "svg.hashsalt": "diaphane", "font.size": 8, "legend.frameon": False, "axes.grid": True, "grid.alpha": 0.4,

@@ -7,11 +7,12 @@ import statistics
 from dataclasses import dataclass
 from typing import Sequence
 
-#: Two-sided confidence of 99%.
+#: Quantile of the normal distribution for a two-sided confidence of 99%.
 Z_99 = 2.576
 FEWEST_BLOCKS, MOST_BLOCKS = 10, 20
-#: Measurements are correlated over about half a minute (autocorrelation of renderd's memory in a soak: 0.5 after 20 s, none after
-#: 40 s). The interval assumes independent values, and means of 90 s are.
+#: Length of a block. Measurements are correlated over about half a minute (autocorrelation of
+#: renderd's memory in a soak: 0.5 after 20 s, none after 40 s). The interval assumes independent
+#: values, and means of 90 s are.
 BLOCK_SECONDS = 90.0
 
 
@@ -28,7 +29,8 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """`flat`: grows by no more than allowed. `grows`: grows by more. `unclear`: the measurement is too short."""
+        """Returns the verdict: `flat` grows by no more than allowed, `grows` by more, and `unclear`
+        was measured for too short a time."""
         return "flat" if self.high <= self.allowed else "grows" if self.low > self.allowed else "unclear"
 
     @property
@@ -38,8 +40,9 @@ class Verdict:
 
 
 def judge(times: Sequence[float], values: Sequence[float], share: float, least: float) -> Verdict:
-    """Allows growth by `share` of the level, and at least by `least`. The slope is the median over all pairs of block means, so
-    that a single peak has no effect. Its interval is that of P. K. Sen (J. Am. Stat. Assoc. 63, 1379, 1968)."""
+    """Judges the growth, which may be `share` of the level, and at least `least`. The slope is the
+    median over all pairs of block means, so that a single peak has no effect. Its interval is
+    that of P. K. Sen (J. Am. Stat. Assoc. 63, 1379, 1968)."""
     if len(times) != len(values) or len(times) < 2 * FEWEST_BLOCKS:
         raise ValueError(f"the trend test needs at least {2 * FEWEST_BLOCKS} samples, but got {len(times)}")
     length = times[-1] - times[0]

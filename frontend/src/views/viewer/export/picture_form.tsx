@@ -95,7 +95,10 @@ interface TypedSides {
   readonly height: string;
 }
 
-/** A picture that the page can hold is rendered as a still. A worker makes larger ones as a file. */
+/**
+ * The entries of the form and their order. A picture that the page can hold is rendered as a still.
+ * A worker makes larger ones as a file.
+ */
 function usePictureForm({ session, onExport }: PictureFormProps) {
   const screen = session.viewport;
   const [size, setSize] = useState<SizeName>("screen");

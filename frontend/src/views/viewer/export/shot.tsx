@@ -26,7 +26,9 @@ interface Work {
 }
 
 export interface Shot {
-  /** Null if nothing is being rendered and no result is waiting to be read. */
+  /**
+   * The state of the export. Null if nothing is being rendered and no result is waiting to be read.
+   */
   readonly state: State | null;
   readonly video: boolean;
   /** The frames of a video, and 1 for a picture. */
@@ -67,7 +69,7 @@ export function useShot(place: Place): Shot {
       setState(now);
     };
     const begun = order.kind === "still" ? await still(order, place, tell) : file(order, place, tell);
-    if (left.current) return; // while the codecs were being tested
+    if (left.current) return; // the viewer was left while the codecs were being tested
     work.current = begun;
     begun.start();
   };
@@ -82,7 +84,7 @@ export function useShot(place: Place): Shot {
   };
 }
 
-/** A separate session, which ends when the file is complete or cancelled. */
+/** Returns the source of a separate session, which ends when the file is complete or cancelled. */
 function ownSession(place: Place) {
   let id: string | null = null;
   return { ticketSource: place.ticketSource(null, (known) => (id = known)), leave: () => place.leave(id) };
@@ -132,7 +134,7 @@ export function ShotLine({ shot }: { readonly shot: Shot }) {
   const expected = state?.kind === "done" || (state?.kind === "failed" && state.trouble === "stopped");
   useEffect(() => {
     if (!expected) return;
-    const timer = setTimeout(hide, savedShownMs); // it would cover what lies under it
+    const timer = setTimeout(hide, savedShownMs); // the line covers what lies below
     return () => clearTimeout(timer);
   }, [expected, hide]);
   if (state === null) return null;

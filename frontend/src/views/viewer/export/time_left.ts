@@ -1,11 +1,14 @@
-/** How much of a file was done at a time. */
+/** The progress of a file at a time. */
 export interface ProgressMark {
-  /** 0 to 1. */
+  /** The completed fraction, from 0 to 1. */
   readonly done: number;
   readonly atMs: number;
 }
 
-/** So that a change of speed soon shows, but a single slow picture does not. */
+/**
+ * Number of marks to keep: few enough to show a change of speed soon, but more than a single slow
+ * picture affects.
+ */
 const mostMarks = 20;
 
 /** Adds the progress of a file. Null, or less than before, means that the work starts again. */

@@ -96,7 +96,10 @@ function entryFaults(kind: VideoFormProps["kind"], seconds: number | null, chose
   return hasWrongViews(kind, chosen) ? { seconds: "", form: t.take.wrongViews(mostKeyViews) } : noFaults;
 }
 
-/** The scenes of the chosen views. The one without a preset is the current scene. A film has the shape of the window. */
+/**
+ * Loads the scenes of the chosen views. The one without a preset is the current scene. All are
+ * framed for the shape of the window.
+ */
 const keyScenes = (
   api: Pick<PresetsApi, "get">,
   chosen: readonly KeyView[],

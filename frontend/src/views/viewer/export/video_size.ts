@@ -34,7 +34,7 @@ export function typedSeconds(text: string): number | null {
   return seconds >= 1 && seconds <= longestVideoS ? seconds : null;
 }
 
-/** Seconds, from the fastest to the slowest that is likely. */
+/** The shortest and the longest likely duration in seconds. */
 export interface TimeRange {
   readonly least: number;
   readonly most: number;
@@ -49,7 +49,10 @@ const slowdown = { gpu: { least: 1, most: 2 }, cpu: { least: 1, most: 3 } } as c
 /** What each frame takes in addition: preparing the scene, denoising and encoding. */
 const secondsPerFrame = { gpu: 0.05, cpu: 0.5 } as const;
 
-/** With fewer, the error is that of a draft, which another method renders on a CPU, or hardly known. */
+/**
+ * Minimum number of samples for an estimate. With fewer, the error is hardly known or, on a CPU,
+ * that of a draft, which another method renders.
+ */
 const fewestSamples = 4;
 
 /**

@@ -13,12 +13,12 @@ export interface WindowProps {
   readonly leads: boolean;
 }
 
-/** For a window that also has handles in the picture. */
+/** The properties of a window that also has handles in the picture. */
 export interface PictureWindowProps extends WindowProps {
   readonly picture: InPicture;
 }
 
-/** `held` means that the pointer is still down. */
+/** Called with a new value. `held` means that the pointer is still down. */
 export type Changed<Value> = (value: Value, held: boolean) => void;
 
 export interface NumberControlProps {
@@ -81,7 +81,7 @@ interface SliderProps {
   readonly rest: () => void;
 }
 
-/** One drag, or one held key, is one undo step. */
+/** A slider, for which one drag, or one held key, is one undo step. */
 function Slider({ label, valueText, at, change, rest }: SliderProps) {
   const keyDown = useRef(false);
   return (
@@ -119,8 +119,8 @@ interface TypedProps {
 }
 
 /**
- * A text field, so that invalid input can be explained. The value is applied with Enter or when the field loses the
- * focus.
+ * The input for a number. It is a text field, so that invalid input can be explained. The value is
+ * applied with Enter or when the field loses the focus.
  */
 function Typed({ label, unit, value, limits, commit }: TypedProps) {
   const id = useId();
@@ -157,7 +157,7 @@ function Typed({ label, unit, value, limits, commit }: TypedProps) {
           onKeyDown={(event) => {
             if (event.key === "Enter") take();
             if (event.key !== "Escape" || text === null) return;
-            event.preventDefault(); // the window stays open
+            event.preventDefault(); // keeps the window open
             setText(null);
             setWrong(false);
           }}

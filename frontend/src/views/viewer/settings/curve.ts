@@ -27,7 +27,7 @@ export const pointsOf = (channel: Channel, range: Limits): At[] =>
 const text = (points: readonly At[]): string => points.map(({ x, y }) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ");
 export const lineOf = (channel: Channel, range: Limits): string => text(pointsOf(channel, range));
 
-/** Includes the ground at both ends, where a channel is closed. */
+/** Returns the polygon between a channel's curve and the axis. */
 export function areaOf(channel: Channel, range: Limits): string {
   const points = pointsOf(channel, range);
   const first = points[0],

@@ -9,7 +9,10 @@ export type GraphKeyAction =
 
 export type KeyStroke = Pick<KeyboardEvent, "key" | "shiftKey" | "ctrlKey" | "metaKey" | "altKey">;
 
-/** `width` is the range of the shown values. Shift makes the steps ten times as long. */
+/**
+ * Returns the action of a key. `width` is the range of the shown values. Shift makes the steps ten
+ * times as long.
+ */
 export function graphKeyAction(stroke: KeyStroke, width: number): GraphKeyAction | null {
   if (stroke.ctrlKey || stroke.metaKey || stroke.altKey) return null;
   const value = Math.max(1, Math.round(width / (stroke.shiftKey ? 20 : 200)));
@@ -37,7 +40,7 @@ export function graphKeyAction(stroke: KeyStroke, width: number): GraphKeyAction
 }
 
 export interface GraphActs extends PointActs {
-  /** Without a position, the point is added where there is most room. */
+  /** Adds a point, or without a position where there is most room. */
   readonly add: (at?: { readonly value: number; readonly opacity: number }) => void;
 }
 

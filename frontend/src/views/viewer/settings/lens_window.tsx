@@ -214,7 +214,7 @@ function ShadingControls({ scene, edits }: LensPartProps) {
 function PhaseFunction({ scene, edits }: LensPartProps) {
   const text = t.settings.lens;
   const g = scene.phase?.g ?? 0;
-  // While g is moved through 0, its slider stays.
+  // Keeps the slider while g is moved through 0.
   const [chosen, setChosen] = useState(false);
   const henyey = chosen || g !== 0;
   const setForward = edits.once("phase function", lens.setForward);

@@ -182,7 +182,10 @@ function Density({ session }: WindowProps) {
   );
 }
 
-/** Moves all points along the values. The distance counts from where the function was before the slider was taken. */
+/**
+ * Moves all points along the values. The distance is measured from the function before the slider
+ * was grabbed.
+ */
 function Shift({ session, unit, reach }: WindowProps & { readonly unit: string; readonly reach: number }) {
   const lastShift = useRef<{ base: TransferFunction; result: TransferFunction; by: number } | null>(null);
   const scene = session.editor.scene.value;

@@ -67,7 +67,7 @@ export function OneLight({ session, leads, picture, light, index }: LightProps &
   );
 }
 
-/** Handler that moves a light. Each light's movements are one undo step. */
+/** Returns a handler that moves a light. Each light's movements are one undo step. */
 const moveLight = (session: ViewerSession, index: number) =>
   sceneEdits(session.editor).live(`light place ${index}`, (now, to: Partial<lights.Place>) =>
     lights.placeLight(now, index, to),
@@ -142,7 +142,7 @@ function LightPlace({ session, light, index }: LightProps) {
   );
 }
 
-/** The proportions of a square or box. */
+/** The proportions of a rectangle or box. */
 function LightAspect({ session, light, index }: LightProps) {
   const text = t.settings.light;
   const aspect = lights.aspectOf(light);
@@ -292,7 +292,10 @@ function RemoveLight({ session, light, index }: LightProps) {
   );
 }
 
-/** The other lights of the same kind, camera-locked or fixed to the patient. The ball shows them, too. */
+/**
+ * Returns the other lights of the same kind, camera-locked or fixed to the patient, which the ball
+ * also shows.
+ */
 const othersOf = (session: ViewerSession, light: Light): lights.Place[] =>
   (session.editor.scene.value?.lights ?? [])
     .filter((one) => one !== light && one.cameraLocked === light.cameraLocked && !one.disabled)

@@ -3,13 +3,13 @@ import { clamp, type Limits } from "../../../scene/numbers";
 /** Maps a slider's steps, about one per pixel, to values, with even differences or even factors. */
 export const sliderSteps = 1000;
 
-/** If logarithmic, `low` must be above 0. */
+/** Returns the slider step of a value. If `logarithmic`, `low` must be above 0. */
 export function toSlider(value: number, { low, high }: Limits, logarithmic: boolean): number {
   const part = logarithmic ? Math.log(Math.max(value, low) / low) / Math.log(high / low) : (value - low) / (high - low);
   return Math.round(sliderSteps * clamp(Number.isFinite(part) ? part : 0, 0, 1));
 }
 
-/** Rounds to as many digits as the slider can resolve. */
+/** Returns the value of a slider step, rounded to as many digits as the slider can resolve. */
 export function fromSlider(at: number, { low, high }: Limits, logarithmic: boolean, step: number): number {
   const part = clamp(at / sliderSteps, 0, 1);
   if (part === 0) return low;

@@ -16,7 +16,7 @@ import { useWindowLayout } from "./use_window_layout";
 
 export interface SettingsProps {
   readonly session: ViewerSession;
-  /** Whether this person may change the scene. */
+  /** Whether the user may change the scene. */
   readonly leads: boolean;
   /** Whether the user may also change which parts are cut away. */
   readonly cuts: boolean;
@@ -81,7 +81,7 @@ function useOpenHandles(picture: InPicture, openNames: string, leads: boolean, c
   }, [picture, leads, cuts, openNames]);
 }
 
-/** Marks can be changed while their window is open. */
+/** Lets marks be changed while their window is open. */
 function useMarkEditing({ marks }: ViewerSession, open: boolean): void {
   useEffect(() => {
     marks.editing.value = open;

@@ -60,7 +60,10 @@ interface StepButtonProps {
   readonly step: () => void;
 }
 
-/** The button is not really disabled, so that it keeps the focus when no step is left. */
+/**
+ * The button to undo or redo. It is not really disabled, so that it keeps the focus when no step is
+ * left.
+ */
 function StepButton({ icon, possible, step }: StepButtonProps) {
   return (
     <button

@@ -10,7 +10,7 @@ import { useWindowDrag, type WindowDrag } from "./use_window_drag";
 export interface SettingsWindowProps {
   readonly name: WindowName;
   readonly layout: Layout;
-  /** On a narrow page the window is a sheet with a fixed place. */
+  /** Whether the page is narrow, so that the window is a sheet with a fixed place. */
   readonly narrow: boolean;
   /** Whether the user just opened it. If so, it takes the focus. */
   readonly fresh: boolean;

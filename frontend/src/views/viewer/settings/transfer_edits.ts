@@ -25,7 +25,7 @@ export interface TransferEdits {
   readonly rest: () => void;
   readonly choosePoint: (point: number) => void;
   readonly movePoint: (which: number, value: number, opacity: number, held: boolean) => void;
-  /** Without a position, the point is added where there is most room. */
+  /** Adds a point, or without a position where there is most room. */
   readonly addPoint: (at?: PointPlace) => void;
   readonly removePoint: () => void;
   /** `range` is the range of the volume's values. */
@@ -34,7 +34,10 @@ export interface TransferEdits {
   readonly setMaterial: (what: string, material: transfer.Material, held: boolean) => void;
 }
 
-/** The edits of a scene's transfer function at the selection. `select` stores the new selection. */
+/**
+ * Returns the edits of a scene's transfer function at the selection. `select` stores the new
+ * selection.
+ */
 export function transferEdits(
   editor: Editor,
   scene: Scene,

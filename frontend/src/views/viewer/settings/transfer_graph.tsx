@@ -104,7 +104,7 @@ function ChannelCurves({ channels, active, range }: ChannelCurvesProps) {
   );
 }
 
-/** The chosen point in words, for a screen reader. */
+/** Returns the chosen point in words, for a screen reader. */
 function pointText(channel: Channel | undefined, point: number): string {
   const chosen = channel?.opacity[point];
   if (!chosen) return "";

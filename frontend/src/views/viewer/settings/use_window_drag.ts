@@ -2,7 +2,7 @@ import type { RefObject } from "preact";
 import { useRef } from "preact/hooks";
 import { arrowDirections } from "../../../input/arrow_keys";
 
-/** In CSS pixels. */
+/** The step of an arrow key in CSS pixels. */
 const keyStep = 24;
 
 /** Handlers for the header of a window (`grab`, `move`, `drop`) and for its grip (`key`). */

@@ -24,7 +24,10 @@ export interface WindowLayout {
   readonly dock: (name: WindowName) => void;
 }
 
-/** Which settings windows are open and where. This tab remembers it. Closing a window focuses its button in `menu`. */
+/**
+ * The open settings windows and their places, which this tab remembers. Closing a window focuses
+ * its button in `menu`.
+ */
 export function useWindowLayout(narrow: boolean, menu: RefObject<HTMLElement | null>): WindowLayout {
   const [layout, setLayout] = useState<Layout>(() => rememberedLayout(tab));
   const [fresh, setFresh] = useState<WindowName | null>(null);

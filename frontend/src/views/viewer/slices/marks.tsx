@@ -60,7 +60,10 @@ export function Marks({ slice, placing, area, crosshair, measures, index, held }
 export const isInSlice = (measure: Measure, stack: Stack, index: number): boolean =>
   measure.plane === stack.plane && measure.slice === index;
 
-/** What the label of a measurement stands beside: an ellipse, the vertex of an angle, or the last point. */
+/**
+ * Returns what the label of a measurement stands beside: an ellipse, the vertex of an angle, or the
+ * last point.
+ */
 function besideOf(measure: Measure, points: readonly Point[]): readonly Point[] {
   if (isEllipse(measure)) return points.slice(0, 4);
   const point = (measure.kind === "angle" ? points[1] : undefined) ?? points.at(-1);
@@ -79,7 +82,7 @@ function Outline({ measure, points }: OutlineProps) {
   return <polyline points={points.map((point) => `${point.x},${point.y}`).join(" ")} />;
 }
 
-/** `points` are the handles of the ellipse. */
+/** The outline of an ellipse. `points` are its handles. */
 function EllipseOutline({ points }: { readonly points: readonly Point[] }) {
   const [left, right, top, bottom, centre] = points;
   if (!left || !right || !top || !bottom || !centre) return null;

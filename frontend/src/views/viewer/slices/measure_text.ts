@@ -10,7 +10,10 @@ export interface MeasuredSlice {
   readonly hounsfield: boolean;
 }
 
-/** What was read last. The crosshair moves more often, and a large ellipse has a hundred thousand pixels. */
+/**
+ * The last lines of each measurement. The crosshair moves more often, and a large ellipse has a
+ * hundred thousand pixels.
+ */
 const read = new WeakMap<Measure, { readonly slice: MeasuredSlice; readonly lines: readonly string[] }>();
 
 /** Returns the lines beside a measurement in the slice. */

@@ -60,7 +60,7 @@ export function SliceBar({ slices, volume }: SliceBarProps) {
   );
 }
 
-/** Lets the slices begin below the bar, which has as many lines as its words need. */
+/** Lets the slices begin below the bar, whose number of lines depends on its words. */
 function useRoomBelow(bar: RefObject<HTMLElement | null>, shown: boolean): void {
   useLayoutEffect(() => {
     const element = bar.current;
@@ -213,7 +213,7 @@ interface TypedProps {
   readonly take: (value: number) => void;
 }
 
-/** An invalid number is replaced by the previous one. */
+/** A field for a number. An invalid number is replaced by the previous one. */
 function Typed({ label, value, limits, take }: TypedProps) {
   return (
     <label class="slice-typed">

@@ -6,13 +6,16 @@ import { shade } from "../../../slices/window";
 
 export interface SliceDrawing {
   readonly stack: Stack;
-  /** Null clears the canvas, because the previous slice belongs to another position. */
+  /**
+   * The values of the slice. Null clears the canvas, because the previous slice belongs to another
+   * position.
+   */
   readonly values: Int16Array | null;
   readonly table: Uint32Array;
   /** Whether values are interpolated. Otherwise, each voxel is a sharp rectangle at any zoom. */
   readonly smooth: boolean;
   readonly placing: Placing;
-  /** In CSS pixels. */
+  /** The size of the pane in CSS pixels. */
   readonly area: Area;
 }
 
@@ -51,7 +54,7 @@ export class SliceCanvas {
     if (x.size > 0 && y.size > 0) context.drawImage(this.pixels, x.start, y.start, x.size, y.size);
   }
 
-  /** The pixels were lost together with the GPU context. */
+  /** Forgets what was drawn, because the pixels were lost together with the GPU context. */
   forget(): void {
     this.drawn = null;
   }

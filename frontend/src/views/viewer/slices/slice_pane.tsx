@@ -103,7 +103,10 @@ function PaneControls({ slices, stack, alone, index, name }: PaneControlsProps) 
   );
 }
 
-/** The shown slice, for measurements. The same object while nothing that they depend on changes. */
+/**
+ * Returns the shown slice for measurements: the same object while nothing that they depend on
+ * changes.
+ */
 function useMeasuredSlice({ slices, stack, volume }: SlicePaneProps): MeasuredSlice {
   const values = slices.values(stack);
   const clipped = slices.access.value === "clipped";
@@ -117,7 +120,7 @@ function useMeasuredSlice({ slices, stack, volume }: SlicePaneProps): MeasuredSl
   );
 }
 
-/** At most a third of a narrow pane. */
+/** Returns the maximum length of the scale bar in pixels: at most a third of a narrow pane. */
 const longestBar = (area: Area): number => Math.min(160, area.width / 3);
 
 function ScaleBar({ pixelsPerMm, area }: { readonly pixelsPerMm: number; readonly area: Area }) {
@@ -166,7 +169,7 @@ function SliceLabels({ slices, stack, volume, slice, byKey }: SliceLabelsProps) 
   );
 }
 
-/** The newest measurement in the slice, for users who do not see it. */
+/** Returns the text of the newest measurement in the slice, for users who do not see it. */
 function measuresSaid(slices: Slices, slice: MeasuredSlice): readonly string[] {
   const index = slices.index(slice.stack);
   const newest = slices.measures.value.findLast((measure) => isInSlice(measure, slice.stack, index));

@@ -14,7 +14,10 @@ import type { Collaboration } from "../../../live/collaboration";
 import type { Vec3 } from "../../../input/vec3";
 
 const zoomStep = 1.12;
-/** How far from a handle a pointer may take hold of it, in CSS pixels. A finger is less precise than a mouse. */
+/**
+ * The distance in CSS pixels from which a pointer grabs a handle. A finger is less precise than a
+ * mouse.
+ */
 const reach = { mouse: 10, finger: 22 } as const;
 
 /** Applies the gestures and keys on one slice pane to the state of all panes. */
@@ -189,12 +192,12 @@ export class SlicePaneController {
     }
   }
 
-  /** The kind that the tool measures, or null for another tool. */
+  /** Returns the kind that the tool measures, or null for another tool. */
   private measureKind(): MeasureKind | null {
     return measureKinds.find((kind) => kind === this.slices.tool.value) ?? null;
   }
 
-  /** Takes hold of a handle, or starts a measurement whose end follows the pointer. */
+  /** Grabs a handle, or starts a measurement whose end follows the pointer. */
   private beginMeasure(place: Vec3): void {
     const stack = this.stack();
     const pixels = this.byFinger ? reach.finger : reach.mouse;
@@ -204,7 +207,10 @@ export class SlicePaneController {
     if (last && !isWhole(last) && last.points.length === 1) this.setPoint(place);
   }
 
-  /** Enter sets a point at the crosshair, or takes hold of a handle there. Enter again lets go of it. */
+  /**
+   * Handles Enter, which sets a point at the crosshair, or grabs a handle there. Enter again
+   * releases the handle.
+   */
   private setOrHold(): void {
     const { held, crosshair } = this.slices;
     const stack = this.stack();
@@ -242,7 +248,7 @@ export class SlicePaneController {
     this.slices.place(stack, zoomed(stack, this.slices.placing(stack), this.area(), factor, at));
   }
 
-  /** The point in the middle of the slice's thickness. */
+  /** Returns the point in the middle of the slice's thickness. */
   private placeAt(at: Point): Vec3 {
     const stack = this.stack();
     return placeOf(stack, {

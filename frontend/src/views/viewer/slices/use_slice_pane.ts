@@ -22,7 +22,10 @@ export interface SlicePaneProps {
   readonly number: number;
 }
 
-/** The canvas of a pane: draws the slice after each render, follows its size, and listens to gestures on it. */
+/**
+ * Returns the canvas of a pane, its size, and its controller. The slice is drawn after each render,
+ * and gestures on the canvas are handled.
+ */
 export function useSlicePane({ slices, stack, volume, collaboration }: SlicePaneProps) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [area, setArea] = useState<Area>({ width: 0, height: 0 });
