@@ -152,10 +152,7 @@ async function* tarEntries(archive: Blob): AsyncGenerator<Piece | ArchiveFault> 
 
 const longestExtendedHeader = 1024 * 1024;
 const isFile = (kind: string) => kind === "0" || kind === "\0" || kind === "7";
-/**
- * Returns the size in an extended header (POSIX pax), which contains lines such as "21
- * size=8589934592".
- */
+/** Returns the size in a POSIX pax header, where it has the form "21 size=8589934592". */
 const sizeIn = (text: string): number | null => {
   const found = /(?:^|\n)\d+ size=(\d+)\n/.exec(text)?.[1];
   return found === undefined ? null : Number(found);

@@ -7,7 +7,10 @@ import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./typ
  * an element that it does not name is not sent.
  */
 
-/** Numbers and coded words, by type. Free text is not among them. */
+/**
+ * The elements that may be sent, by the form of their values: numbers, UIDs and coded words, but no
+ * free text.
+ */
 const keptTags: Readonly<
   Record<
     string,

@@ -5,7 +5,7 @@ import { keptElement, wantedTags } from "./clean_file";
 import { bytesOf, framesOf } from "./frames";
 import type { SliceHeader } from "./types";
 
-/** The only file that uses dicom-parser. */
+/** Reads the headers of DICOM files with dicom-parser. */
 
 export type HeaderRead =
   | { readonly kind: "headers"; readonly headers: readonly SliceHeader[] } // one header per frame of an enhanced file

@@ -20,8 +20,9 @@ export class LabelFileError extends Error {
 const mostBytes = 2 ** 30;
 
 /**
- * Returns what is uploaded of a file of labels, compressed: the voxels or outlines, and the names, numbers and colours of
- * the structures. Everything else stays here, because it may name the patient. Throws LabelFileError.
+ * Returns what is uploaded of a file of labels, compressed: the voxels or outlines, and the names,
+ * numbers and colours of the structures. Everything else stays in the browser, because it may name
+ * the patient. Throws LabelFileError.
  */
 export async function cleanLabelFile(file: Blob): Promise<Blob> {
   const bytes = await unpacked(file);
@@ -52,13 +53,13 @@ function niftiParts(bytes: Uint8Array<ArrayBuffer>): BlobPart[] | null {
   return [canonicalHeader(header), voxels];
 }
 
-/** The kinds of DICOM files that hold labels. */
+/** The SOP classes of segmentations and structure sets. */
 const labelClasses: readonly string[] = ["1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.481.3"];
 const implicitLittle = "1.2.840.10008.1.2";
 const explicitLittle = "1.2.840.10008.1.2.1";
 
 /**
- * Elements that are sent, at any depth. They contain numbers, except for the names of structures.
+ * Elements that are sent, at any depth. The only free text among them is the names of structures.
  */
 const keptTags = new Set([
   "x00080016", // SOPClassUID
@@ -103,7 +104,7 @@ const keptTags = new Set([
 ]);
 /** Frames of reference, which are disguised. */
 const frameTags = new Set(["x00200052", "x30060024"]);
-/** The character set decides what names of structures mean. */
+/** The character set of the names of structures. */
 const characterSet = "x00080005";
 
 function dicomParts(bytes: Uint8Array<ArrayBuffer>): BlobPart[] {

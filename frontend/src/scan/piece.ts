@@ -8,8 +8,8 @@ export interface Piece {
   /** The file, or the part of the archive that contains it. */
   readonly blob: Blob;
   /**
-   * Its entry in a ZIP archive, where `blob` begins with its local header. Null if `blob` is the
-   * file.
+   * The file's entry in a ZIP archive, where `blob` begins with the local header. Null if `blob` is
+   * the file.
    */
   readonly zipped: Zipped | null;
 }
@@ -85,7 +85,7 @@ export async function collected(
     },
   });
   try {
-    // Unlike a Blob of parts, the browser can move this one to the disk while it grows.
+    // The browser can move this Blob to the disk while it grows, unlike a Blob of parts.
     return await new Response(stream.pipeThrough(bounded)).blob();
   } catch {
     return null;

@@ -5,7 +5,10 @@ import { readImage } from "./image/read_image";
 import { beginningOf, wholeOf, type Piece } from "./piece";
 import type { SliceHeader } from "./types";
 
-/** 8 KB contain most CT headers, and 64 KB nearly all. The last step is a limit that no header reaches. */
+/**
+ * Numbers of bytes to read. 8 KB contain most CT headers, and 64 KB nearly all. The last one is a
+ * limit that no header reaches.
+ */
 const steps = [8 * 1024, 64 * 1024, 256 * 1024, 64 * 1024 * 1024];
 /** The largest initial step, even if the previous file needed a larger one. */
 const mostAtOnce = 2;

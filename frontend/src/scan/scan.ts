@@ -59,7 +59,7 @@ export async function scanFiles(
 }
 
 interface Archive {
-  /** Index of the chosen file that it is, or that it is in. */
+  /** Index of the chosen file that is or contains this archive. */
   readonly file: number;
   readonly index: number;
   readonly format: ArchiveFormat;

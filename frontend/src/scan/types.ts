@@ -1,7 +1,10 @@
 import type { ArchiveFault } from "./archives";
 import type { Piece } from "./piece";
 
-/** The parts of a file's header that the scan needs. They stay in the browser and are never sent. */
+/**
+ * The parts of a file's header that the scan needs. Only `kept`, `grouped`, `sopClass` and
+ * `transferSyntax` are sent.
+ */
 export interface SliceHeader {
   /** Index into the chosen files, followed by those of archives. */
   readonly file: number;
@@ -214,10 +217,13 @@ export interface Series {
 
 export interface ScanResult {
   readonly series: readonly Series[];
-  /** The files of archives, which follow the chosen files in the indices of the uploads. Null if no upload needs one. */
+  /**
+   * The files of archives, which follow the chosen files in the indices of the uploads. A file that
+   * no upload needs is null.
+   */
   readonly unpacked: readonly (Piece | null)[];
   readonly faults: readonly FaultyArchive[];
-  /** Files that are not DICOM or could not be read. */
+  /** Number of files in none of the supported formats. */
   readonly notDicom: number;
   readonly unreadable: number;
   /** Reports, screenshots, plans and other files without slices, which are never listed. */

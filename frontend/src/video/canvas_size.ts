@@ -1,6 +1,9 @@
 import type { Viewport } from "../protocol/messages";
 
-/** A size is reported when it has not changed for `settledAfterMs`. A size that keeps changing is reported every `reportedEveryMs`. */
+/**
+ * A size is reported when it has not changed for `settledAfterMs`. A size that keeps changing is
+ * reported every `reportedEveryMs`.
+ */
 export const settledAfterMs = 100;
 export const reportedEveryMs = 400;
 

@@ -3,7 +3,10 @@ import { t } from "../texts";
 import { Mark } from "./icons";
 import { PageTitle } from "./shell";
 
-/** Slices of a head seen from the side and above. Each has its own tone, and the top ones are the lightest. */
+/**
+ * The radii of slices of a head, in x and y, from the top down. The top ones are drawn last and are
+ * the most opaque.
+ */
 const slices = [
   [9, 4],
   [17, 7.5],

@@ -30,7 +30,7 @@ export function ConsentBox({ given, onChange, fault: wrong }: ConsentBoxProps) {
           {wrong}
         </p>
       ) : null}
-      {/* Opens a tab of its own, so that the form keeps what has been entered. */}
+      {/* The notice opens in its own tab, so that the form keeps what has been entered. */}
       <a href="/privacy" target="_blank" rel="noopener">
         {t.consent.notice}
       </a>

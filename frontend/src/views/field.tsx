@@ -38,7 +38,7 @@ export function Field(props: FieldProps) {
   const id = useId();
   const [shown, setShown] = useState(false);
   const secret = props.type === "password";
-  const type = (secret && shown ? "text" : (props.type ?? "text")) as "text"; // the types of JSX need to know which
+  const type = (secret && shown ? "text" : (props.type ?? "text")) as "text"; // the types of JSX require a literal
   const described = [props.fault ? `${id}-fault` : "", props.hint ? `${id}-hint` : ""].filter(Boolean).join(" ");
   return (
     <div class="field">

@@ -33,7 +33,7 @@ export const numberText = (value: number, digits?: number): string =>
 export const plainNumberText = (value: number): string =>
   new Intl.NumberFormat(place(), { maximumFractionDigits: 20 }).format(value);
 
-/** Formats a fraction as a whole percentage in the user's language: 80%, or with a space. */
+/** Formats a fraction as a whole percentage in the user's language, such as "80%" or "80 %". */
 export const percentText = (share: number): string =>
   new Intl.NumberFormat(place(), { style: "percent", maximumFractionDigits: 0 }).format(share);
 

@@ -15,7 +15,7 @@ import { useApp } from "./state";
 import { PresetPicture, useThumbnail } from "./thumbnail";
 import { useGallerySearch, wholeGallery } from "./use_gallery_search";
 
-/** The scans that others made public. Without an account only the samples are listed. */
+/** The public scans. Without an account, only the samples are listed. */
 export function Gallery() {
   const app = useApp();
   const known = app.me.value !== null;
@@ -139,7 +139,10 @@ function GalleryCard({ set, known, onReport }: GalleryCardProps) {
 
 const mostOfCrowd = 4;
 
-/** The best presets that people saved for a scan, each of which opens the scan. Empty if there is none. */
+/**
+ * The best presets that people saved for a scan. For users with an account, each opens the scan.
+ * Empty if there is none.
+ */
 function CrowdPresets({ set, known }: { readonly set: DataSet; readonly known: boolean }) {
   const app = useApp();
   const [presets, setPresets] = useState<readonly PresetInfo[]>([]);

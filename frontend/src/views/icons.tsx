@@ -1,4 +1,7 @@
-/** Line icons on a grid of 24. They are decorative, because their meaning is stated next to them. */
+/**
+ * Line icons in a box of 24 by 24. They are decorative, because a label or a text next to them
+ * states their meaning.
+ */
 const paths = {
   back: "M15 5l-7 7 7 7",
   plus: "M12 5v14M5 12h14",

@@ -8,7 +8,10 @@ import { Shell } from "./shell";
 import { useApp } from "./state";
 import { Viewer } from "./viewer/viewer";
 
-/** The page that a link to a session opens: an optional name, then the picture. Needs no account. */
+/**
+ * The page that a link to a session opens. It asks for an optional name, then shows the picture. It
+ * needs no account.
+ */
 export function Join({ token }: { readonly token: string }) {
   const app = useApp();
   const [guest, setGuest] = useState(() => rememberedGuest(tab, token));

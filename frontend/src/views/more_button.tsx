@@ -1,6 +1,6 @@
 import { t } from "../texts";
 
-/** Loads the next page of a list. */
+/** A button that loads the next page of a list. */
 export function MoreButton({ onClick }: { readonly onClick: () => void }) {
   return (
     <p>

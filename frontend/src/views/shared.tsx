@@ -38,7 +38,7 @@ function useVisit(what: { readonly token: string } | { readonly data_set_id: str
   return { place, again };
 }
 
-/** The page behind a link to a scan: first a description, then the picture. Needs no account. */
+/** The page behind a link to a scan: first a description, then the picture. It needs no account. */
 export function SharedByLink({ token }: { readonly token: string }) {
   const app = useApp();
   const [leads, setLeads] = useState<{ readonly data_set: DataSet; readonly expires_at: string } | null>(null);

@@ -21,7 +21,7 @@ export class AppState {
   readonly me = signal<Me | null | undefined>(undefined);
   /** Whether the first request has failed so far. It is repeated until it succeeds. */
   readonly unreachable = signal(false);
-  /** The result of the last action, shown once on the front page. */
+  /** A message that the front page shows once after `leave`. */
   readonly signOutNotice = signal("");
   private again: ReturnType<typeof setTimeout> | undefined;
 
@@ -62,7 +62,10 @@ export class AppState {
     this.me.value = null;
   }
 
-  /** Returns a message for an error. It leads to the sign-in page if the session has expired, and to the privacy notice if that has changed. */
+  /**
+   * Returns a message for an error. If the session has expired, also shows the sign-in page, and if
+   * the privacy notice has changed, asks for consent again.
+   */
   explain(thrown: unknown): string {
     if (thrown instanceof UserError) return thrown.message;
     if (!(thrown instanceof ApiProblem)) return t.problems.internal;

@@ -6,7 +6,7 @@ export const shortestPassword = 12;
 export interface Strength {
   /** 0: too short or too repetitive. 1: long enough. 2: good. 3: very good. */
   readonly level: 0 | 1 | 2 | 3;
-  /** Number of missing characters, or 0 if it is long enough. */
+  /** Number of missing characters, or 0 if the password is long enough. */
   readonly missing: number;
 }
 

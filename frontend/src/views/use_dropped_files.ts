@@ -2,7 +2,10 @@ import { useEffect } from "preact/hooks";
 import { droppedFiles } from "../scan/picked_files";
 import { useLatest } from "./use_latest";
 
-/** Calls `onFiles` with what is dropped anywhere on the page. Without it, the browser would leave the page for the file. */
+/**
+ * Calls `onFiles` with the files that are dropped anywhere on the page. Otherwise, the browser
+ * would leave the page and open the file.
+ */
 export function useDroppedFiles(onFiles: (files: File[]) => void): void {
   const latest = useLatest(onFiles);
   useEffect(() => {

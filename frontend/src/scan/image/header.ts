@@ -1,4 +1,7 @@
-/** Research formats: what NIfTI, NRRD and MetaImage files say about their voxels. Everything else in them stays here. */
+/**
+ * Research formats: what NIfTI, NRRD and MetaImage files say about their voxels. Everything else in
+ * their headers stays in the browser.
+ */
 
 export type VoxelType = "int8" | "uint8" | "int16" | "uint16" | "int32" | "uint32" | "float32" | "float64";
 

@@ -7,7 +7,7 @@ import { voxelBytes, type ImageHeader, type VoxelType } from "./header";
 import { drawImageThumbnail } from "./image_thumbnail";
 import { judgeImage } from "./judge_image";
 
-/** A research file that was found: its header, and which files hold the header and the voxels. */
+/** A file in a research format that was found, and its header. */
 export interface FoundImage {
   readonly file: number;
   readonly header: ImageHeader;

@@ -109,7 +109,7 @@ function axesOf(axes: readonly (Triple | null | undefined)[], space: Triple | un
   return [inLps(x), inLps(y), inLps(z)];
 }
 
-/** Parses "(1,0,0) none (0,0,2)". */
+/** Parses vectors such as "(1,0,0) none (0,0,2)", where "none" marks an axis outside of space. */
 function vectorsOf(text: string | undefined): (Triple | null)[] | null {
   const found = text?.match(/none|\([^)]*\)/g);
   return found ? found.map((one) => (one === "none" ? null : triple(numbersIn(one)))) : null;

@@ -35,7 +35,7 @@ export function CutPanel(props: CutPanelProps) {
   const app = useApp();
   const [facts, setFacts] = useState<Anonymise | null>(null);
   useEffect(() => {
-    app.api.anonymise.look(props.dataSetId).then(setFacts, () => undefined); // without them, no region is proposed
+    app.api.anonymise.look(props.dataSetId).then(setFacts, () => undefined); // the panel needs the facts
   }, [app, props.dataSetId]);
   const volume = props.session.volume.value;
   return volume && props.session.editor.scene.value && facts ? (

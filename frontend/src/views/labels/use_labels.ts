@@ -8,7 +8,7 @@ import { t } from "../../texts";
 import { useApp, type AppState } from "../state";
 import { useLatest } from "../use_latest";
 
-/** The steps of a file of labels: it is read here, sent, and processed by the server. */
+/** The stages of a file of labels: it is read in the browser, sent, and processed by the server. */
 export type LabelsPhase = "reading" | "sending" | "placing";
 
 export interface LabelsTask {

@@ -29,7 +29,8 @@ export const unitOf = (viewport: Area, size: Area): number =>
 
 /**
  * Returns a function that draws the current marks, even if they change before the picture is
- * finished. With `asShown`, the picture is that of the screen, where a follower's has borders.
+ * finished. With `asShown`, the marks fit a picture of the whole screen, where that of a follower
+ * has borders.
  */
 export function decorationOf(session: ViewerSession, asShown = false): Decorate {
   const marks = marksInPicture(session);

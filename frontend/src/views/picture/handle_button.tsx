@@ -7,9 +7,9 @@ export interface HandleButtonProps {
   readonly label: string;
   readonly look: "face" | "plane" | "tilt" | "light";
   readonly behind?: boolean;
-  /** Its position in its area, in pixels. */
+  /** Position of the handle in its area, in pixels. */
   readonly at: Point;
-  /** Its values as a slider. */
+  /** The values of the handle as a slider. */
   readonly low: number;
   readonly high: number;
   readonly now: number;

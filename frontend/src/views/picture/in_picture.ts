@@ -5,8 +5,8 @@ import { computed, signal } from "@preact/signals";
 export type HandleSet = "cuts" | "light";
 
 /**
- * A request to choose a point of the picture, from 0 to 1 from the top left. Returns a message to show, or null if it
- * is complete.
+ * A request to choose a point of the picture, from 0 to 1 from the top left. `pick` returns a
+ * message to show, or null if the request is complete.
  */
 export interface Picking {
   readonly label: string;

@@ -1,6 +1,6 @@
 import type { Area, Point } from "../../input/flat";
 
-/** The colours of pointers. Participants with higher numbers share them. */
+/** Number of colours of pointers. Participants with higher numbers reuse them. */
 const colours = 8;
 export const colourOf = (number: number): number => number % colours;
 

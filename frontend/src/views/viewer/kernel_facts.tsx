@@ -43,7 +43,7 @@ function Facts({ report }: { readonly report: KernelReport }) {
   return (
     <>
       <p>{originOf(report)}</p>
-      {report.origin === KernelOrigin.GENERAL ? null : ( // it has every feature, whatever the picture needs
+      {report.origin === KernelOrigin.GENERAL ? null : ( // the general kernel has every feature
         <dl>
           <dt>{text.leftOut}</dt>
           <dd data-fact="left-out">{named(report.leftOut)}</dd>

@@ -66,7 +66,7 @@ function usePresetActions({ preset, session, set, act }: PresetRowProps) {
         await showPreset(api, preset.id, session);
         return "";
       }),
-    /** A second click on the same vote removes it. */
+    /** Votes for or against the preset. Repeating a vote removes it. */
     vote: (value: -1 | 1) =>
       act(async () => {
         await api.vote(preset, preset.my_vote === value ? 0 : value);

@@ -184,7 +184,7 @@ function useGuestLink(sessionId: string, ended: () => void) {
   return { url, message, busy, make, end, copy };
 }
 
-/** How to point, and whether guests may. Only the presenter can change it. */
+/** Explains how to point, and lets the presenter choose whether guests may point. */
 function GuestPointers({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
   const audience = session.audience.value;
   if (!audience || role.others === 0) return null;
@@ -202,7 +202,7 @@ function GuestPointers({ session, role }: { readonly session: ViewerSession; rea
   );
 }
 
-/** Whether guests may see the slices. Only the owner can change it. */
+/** Lets the owner choose whether guests may see the slices. */
 function GuestSlices({ session }: { readonly session: ViewerSession }) {
   const audience = session.audience.value;
   if (!audience?.setsGuestSlices) return null;

@@ -12,7 +12,10 @@ interface Props {
   readonly session: ViewerSession;
 }
 
-/** Says that the picture leaves out a table or headrest, and shows it on request. Once closed, it stays closed. */
+/**
+ * Says that the picture leaves out a table or headrest, and offers to show it. Once closed, the
+ * note stays closed.
+ */
 export function HiddenTable({ session, presents }: Props & { readonly presents: boolean }) {
   const [closed, setClosed] = useState(() => local.getItem(key) !== null);
   const scene = session.editor.scene.value;

@@ -49,7 +49,8 @@ export function useSavedPresets(set: DataSet) {
 }
 
 /**
- * Whether the server rejected the file itself. Its message explains, for example, that the file is of a later version.
+ * Whether the server rejected the file as not being a preset. A preset of a later version has a
+ * message of its own.
  */
 const isNoPreset = (thrown: unknown): boolean =>
   thrown instanceof ApiProblem && thrown.errors.length > 0 && thrown.errors[0]?.field !== "version";

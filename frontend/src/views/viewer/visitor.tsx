@@ -3,7 +3,10 @@ import { cameFrom, Link } from "../router";
 import { useApp } from "../state";
 import { OverPanel } from "./over_panel";
 
-/** A person who views a scan without an account: a sample, a scan shared by link, or another person's session. */
+/**
+ * A person who views a scan without using an account: a sample, a scan shared by link, or another
+ * person's session.
+ */
 export interface Visitor {
   /** The kind of visit, which determines the explanation when it ends. */
   readonly kind: "sample" | "link" | "session";

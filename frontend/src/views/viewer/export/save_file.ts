@@ -12,7 +12,7 @@ const extensions: Readonly<Record<string, string>> = {
   "image/svg+xml": "svg",
 };
 
-/** Saves the file under a name that contains only the time. */
+/** Saves the file under a name that contains the time but nothing about the scan. */
 export function saveFile(file: Blob): void {
   const url = URL.createObjectURL(file);
   const link = document.createElement("a");

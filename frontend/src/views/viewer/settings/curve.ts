@@ -1,7 +1,7 @@
 import type { Channel } from "../../../protocol/gen/api/proto/scene_pb";
 import { clamp, type Limits } from "../../../scene/numbers";
 
-/** The graph's own units, which the page scales. */
+/** The size of the graph in its own units. The page scales the graph. */
 export const graphWidth = 320;
 export const graphHeight = 150;
 /** Margin for points at the edges. */

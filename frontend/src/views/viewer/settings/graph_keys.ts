@@ -40,7 +40,7 @@ export function graphKeyAction(stroke: KeyStroke, width: number): GraphKeyAction
 }
 
 export interface GraphActs extends PointActs {
-  /** Adds a point, or without a position where there is most room. */
+  /** Adds a point at `at`, or by default where there is most room. */
   readonly add: (at?: { readonly value: number; readonly opacity: number }) => void;
 }
 

@@ -5,7 +5,8 @@ export const windowNames = ["look", "light", "lens", "cuts", "labels", "marks"] 
 export type WindowName = (typeof windowNames)[number];
 
 /**
- * Docked windows are at the side in the order of opening. A free window has its top left corner in pixels of the page.
+ * A docked window is at the side. A free window has its top left corner at (x, y), in pixels of the
+ * page.
  */
 export type Placement = { readonly docked: true } | { readonly docked: false; readonly x: number; readonly y: number };
 
@@ -23,7 +24,8 @@ const headHeight = 48;
 export const placeIn = (layout: Layout, name: WindowName): Placement => layout.places[name] ?? { docked: true };
 
 /**
- * Opens a window. There is at most one sheet (`narrow`) and one docked window at a time, and free windows stay open.
+ * Opens a window. On a `narrow` page, it is a sheet and closes the others. Otherwise, a docked
+ * window replaces another docked one, and free windows stay open.
  */
 export function opened(layout: Layout, name: WindowName, narrow: boolean): Layout {
   const stays = (one: WindowName) =>

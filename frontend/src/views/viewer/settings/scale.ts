@@ -1,6 +1,9 @@
 import { clamp, type Limits } from "../../../scene/numbers";
 
-/** Maps a slider's steps, about one per pixel, to values, with even differences or even factors. */
+/**
+ * Number of steps of a slider, about one per pixel. They map to values with even differences or
+ * even factors.
+ */
 export const sliderSteps = 1000;
 
 /** Returns the slider step of a value. If `logarithmic`, `low` must be above 0. */

@@ -12,7 +12,7 @@ export interface SettingsWindowProps {
   readonly layout: Layout;
   /** Whether the page is narrow, so that the window is a sheet with a fixed place. */
   readonly narrow: boolean;
-  /** Whether the user just opened it. If so, it takes the focus. */
+  /** Whether the user just opened the window, so that it takes the focus. */
   readonly fresh: boolean;
   readonly onMove: (x: number, y: number) => void;
   readonly onDock: () => void;

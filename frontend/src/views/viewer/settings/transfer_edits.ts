@@ -25,7 +25,7 @@ export interface TransferEdits {
   readonly rest: () => void;
   readonly choosePoint: (point: number) => void;
   readonly movePoint: (which: number, value: number, opacity: number, held: boolean) => void;
-  /** Adds a point, or without a position where there is most room. */
+  /** Adds a point at `at`, or by default where there is most room. */
   readonly addPoint: (at?: PointPlace) => void;
   readonly removePoint: () => void;
   /** `range` is the range of the volume's values. */

@@ -4,7 +4,7 @@ import type { Channel } from "../../../protocol/gen/api/proto/scene_pb";
 import { graphHeight, graphWidth, nearestPoint, opacityOf, pointsOf, valueAt, type At } from "./curve";
 import { applyGraphKey, graphKeyAction, type GraphActs } from "./graph_keys";
 
-/** The width of a finger, in the units of the graph. */
+/** Maximum distance from a point at which a finger grabs it, in the units of the graph. */
 const reach = 16;
 
 /** The gestures and keys that choose, move, add and remove points of the active channel. */

@@ -17,7 +17,10 @@ export interface MarksProps {
   readonly held: Held | null;
 }
 
-/** The free area around the middle of the crosshair, so that the content there stays visible. */
+/**
+ * Distance from the middle of the crosshair to its lines in pixels, so that the content there stays
+ * visible.
+ */
 const gap = 9;
 
 /** The crosshair and the measurements in this slice. */

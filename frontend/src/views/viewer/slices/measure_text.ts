@@ -11,8 +11,8 @@ export interface MeasuredSlice {
 }
 
 /**
- * The last lines of each measurement. The crosshair moves more often, and a large ellipse has a
- * hundred thousand pixels.
+ * The last lines of each measurement. They are kept, because the crosshair moves more often, and a
+ * large ellipse has a hundred thousand pixels.
  */
 const read = new WeakMap<Measure, { readonly slice: MeasuredSlice; readonly lines: readonly string[] }>();
 

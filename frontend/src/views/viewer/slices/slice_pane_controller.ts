@@ -125,7 +125,7 @@ export class SlicePaneController {
   }
 
   private doubleClicked(): void {
-    if (this.slices.following.value || this.measureKind()) return; // these tools set two points with two clicks
+    if (this.slices.following.value || this.measureKind()) return; // each click of a measuring tool sets a point
     this.slices.maximise(this.stack().plane);
   }
 
