@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-// Names that the operator uses on the cluster and in Redis. helm/diaphane/crds contains the
-// schemas.
+// Names that the operator uses in Kubernetes and in Redis. The schemas of its custom resources are
+// in helm/diaphane/crds.
 
 namespace diaphane::fleet {
 

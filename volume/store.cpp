@@ -33,7 +33,7 @@ constexpr const char* kHeaderFile = "volume.json";
 constexpr const char* kVoxelFile = "voxels.i16";
 constexpr const char* kLabelFile = "labels";
 constexpr const char* kLabelSetFile = "label_set";
-// Written completely before they replace the files above.
+// Temporary names: a new header or label set is written completely, then renamed over the old one.
 constexpr const char* kNewHeaderFile = ".volume.json.new";
 constexpr const char* kNewLabelSetFile = ".label_set.new";
 constexpr off_t kMaxHeaderBytes = 1 << 20;

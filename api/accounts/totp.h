@@ -7,7 +7,7 @@
 #include <string_view>
 
 /// TOTP codes (RFC 6238) with liboath: SHA-1, six digits, 30 s, which every authenticator app
-/// supports. Pure functions.
+/// supports. The functions keep no state.
 namespace diaphane::api::totp {
 
 inline constexpr std::chrono::seconds kStep{30};

@@ -11,7 +11,7 @@
 
 namespace diaphane::dicom {
 
-/// Tag of the identifier of the patient's space.
+/// Tag of the Frame of Reference UID. Objects with the same UID share a coordinate system.
 inline constexpr std::uint32_t kFrameOfReferenceUid = 0x00200052;
 
 // Values of a data set whose structure walk() has checked. Everything is little endian, so a big

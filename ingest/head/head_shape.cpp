@@ -17,7 +17,8 @@ constexpr int kLeastHeadLevels = 15;  // consecutive levels: 45 mm
 constexpr double kDomeBelow = 0.55;   // share of the largest area, near the top
 constexpr int kDomeLevels = 20;       // at most this many levels above the last one that fits
 
-/// Returns Otsu's threshold between air and matter. Air is the darker of the two.
+/// Returns a threshold between air and matter, which is brighter: the darkest value plus half of
+/// the distance from there to Otsu's threshold. Returns 0 if there are too few cells.
 float between_air_and_matter(const Coarse& coarse) {
   std::vector<float> values;
   for (const float v : coarse.mean) {

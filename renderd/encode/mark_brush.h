@@ -20,7 +20,7 @@ struct Disc {
   double radius = 0;
 };
 
-/// The lines of one mark.
+/// The shapes that make up one mark, except its text. A shape that the mark lacks is empty.
 struct MarkLines {
   std::optional<std::array<PicturePoint, 2>> line;
   std::optional<std::array<PicturePoint, 3>> head;  ///< filled

@@ -150,7 +150,7 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
         radiance += task.weight * walk.transmittance();
       });
   result.hit_medium |= first.hit_medium;
-  // A slice that contributes less than half a level of the display is invisible.
+  // A slice that adds less than half of 1/255 of white, in linear light, does not count as shown.
   result.shows_slice &= first.transmittance > 0.5f / 255.0f;
   result.radiance = radiance + sample.primary.background * first.transmittance;
   return result;

@@ -24,8 +24,8 @@ struct PreparedTextures {
 /// Maximum total number of pixels of a scene's textures: one texture of the largest size, or eight
 /// of kKeptTexels, which take 270 MB.
 inline constexpr std::size_t kMostTexels = std::size_t{4096} * 4096;
-/// A larger picture is reduced to at most this number of texels, because light from finer details
-/// looks the same, and each picture of the largest size would take 270 MB and 0.6 s of a core.
+/// A larger picture is reduced to at most this number of texels. Finer details would not change the
+/// lighting visibly, and the largest picture would take 270 MB and 0.6 s of CPU time.
 inline constexpr std::size_t kKeptTexels = std::size_t{2048} * 1024;
 
 /// Returns the size at which a picture is kept: both sides are divided by the smallest integer with

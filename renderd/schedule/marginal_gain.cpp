@@ -145,7 +145,7 @@ std::vector<Quantum> MarginalGain::choose(std::span<const SessionView> sessions,
           (!keeps_deadline || session.seconds_unanswered < spare)) {
         return {Rank::kPaced, -session.seconds_since_begun, &session};
       }
-      // Sessions that recently used less of the device come first, as in weighted fair queueing.
+      // Device time for recent first pictures postpones a deadline, as in fair queueing.
       const double deadline = options_.deadline_seconds + session.seconds_lately;
       return {Rank::kDue, deadline - session.seconds_unanswered, &session};
     }

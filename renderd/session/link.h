@@ -26,8 +26,8 @@ class LinkEstimate {
 
   /// Records a sent message. `seq` rises with each message.
   void sent(std::uint64_t seq, std::size_t bytes, Time now);
-  /// Acknowledges all messages up to `seq`. Ignores numbers that were not sent or were acknowledged
-  /// before.
+  /// Records that the viewer acknowledged all messages up to `seq`. Ignores a number that was never
+  /// sent or was acknowledged before.
   void acknowledged(std::uint64_t seq, Time now);
 
   bool known() const { return busy_ > 0; }

@@ -100,6 +100,28 @@ describe("saved marks", () => {
     expect(saved("a"), "hiding deletes nothing").toBe(JSON.stringify(contentOf(["changed"])));
   });
 
+  it("stay shown and are all tried if one of them cannot be saved", async () => {
+    stored = [setOf("a"), setOf("b")];
+    const library = await opened();
+    marks.setText(1, "a changed");
+    marks.setText(2, "b changed");
+    const change = api.change.bind(api);
+    api.change = (scan, id, what) =>
+      id === "a" ? Promise.reject(new ApiProblem(503, "unavailable", "")) : change(scan, id, what);
+    try {
+      const [a] = library.sets.value ?? [];
+      if (a) await library.setVisible(a, false);
+    } finally {
+      api.change = change;
+    }
+    expect(saved("b")).toBe(JSON.stringify(contentOf(["b changed"])));
+    expect(library.failed.value).toBe(true);
+    expect(texts(), "hiding it would lose the change").toContain("a changed");
+    await library.save();
+    expect(library.failed.value).toBe(false);
+    expect(saved("a")).toBe(JSON.stringify(contentOf(["a changed"])));
+  });
+
   it("take what was not saved yet, with its measurements", async () => {
     const library = await opened();
     marks.add({ ...newMark("text", vec3(0, 0, 0), 0), text: "x" });

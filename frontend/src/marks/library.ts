@@ -117,6 +117,7 @@ export class MarkLibrary {
   /** Shows or hides a set. The server remembers the choice for a set of this user. */
   async setVisible(set: AnnotationSet, on: boolean): Promise<void> {
     if (!on) await this.save();
+    if (this.changes().some(([one]) => one.id === set.id)) return; // hiding it would lose them
     batch(() => {
       if (on) this.show(set);
       else this.hide(set.id);
@@ -139,22 +140,22 @@ export class MarkLibrary {
     });
   }
 
-  /** Saves the changes of all shown sets. */
+  /** Saves the changes to those of the user's own sets that are shown. */
   async save(): Promise<void> {
     this.cancel?.();
     this.cancel = null;
+    let hasFailed = false;
     for (const [set, content] of this.changes()) {
       try {
         await this.change(set, { content, revision: set.revision });
         this.stored.set(set.id, JSON.stringify(content));
-        this.failed.value = false;
       } catch (thrown) {
         const isStale = thrown instanceof ApiProblem && thrown.status === 412;
-        if (isStale && (await this.merge(set).catch(() => false))) return; // the merged content is saved next
-        this.failed.value = true;
-        return;
+        // Merged content is a change of its own, which is saved next.
+        if (!isStale || !(await this.merge(set).catch(() => false))) hasFailed = true;
       }
     }
+    this.failed.value = hasFailed;
     this.noteUnsaved();
   }
 
@@ -177,7 +178,8 @@ export class MarkLibrary {
 
   stop(): void {
     this.stopWatching();
-    void this.save();
+    // Once more for what the first attempt merged, because nothing watches for it any longer.
+    void this.save().then(() => (this.changes().length > 0 ? this.save() : undefined));
   }
 
   private isUnsaved(set: string | undefined): boolean {

@@ -31,7 +31,7 @@ function isMark(value: unknown): value is Mark {
 const textsOf = (value: unknown): readonly string[] =>
   Array.isArray(value) ? value.filter((one) => typeof one === "string") : [];
 
-/** Returns null if the text is damaged or of another version. */
+/** Parses what marksToText() returned. Returns null if the text is null, damaged or of another structure. */
 export function marksFromText(text: string | null): RememberedMarks | null {
   try {
     const value = JSON.parse(text ?? "null") as Partial<Record<keyof RememberedMarks, unknown>> | null;

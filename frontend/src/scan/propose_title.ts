@@ -17,10 +17,11 @@ function namesPatient(text: string, { name, id }: Series["patient"]): boolean {
 type Titled = Pick<Series, "description" | "bodyPart" | "modality" | "patient">;
 
 /**
- * Proposes a title, which the user can change: what the series shows and its date, in the words of
- * the scan. Empty if the scan states neither. A description that names the patient is left out.
- * @param date in the user's format, or empty.
- * @param mark distinguishes the series from others with the same title, or is empty.
+ * Proposes a title, which the user can change: the description of the series, followed by `mark` and `date`. The
+ * modality and the body part replace a description that is missing or names the patient. If they name the patient
+ * too, only `date` and `mark` remain.
+ * @param date The date of the series in the user's format, or an empty string.
+ * @param mark A suffix that distinguishes the series from others with the same title, or an empty string.
  */
 export function proposedTitle({ description, bodyPart, modality, patient }: Titled, date: string, mark = ""): string {
   const shown = [description, [modality, bodyPart].filter(Boolean).join(" ")]

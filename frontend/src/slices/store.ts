@@ -112,8 +112,8 @@ export class SliceStore {
   }
 
   private keep(slice: SliceId, values: Int16Array<ArrayBuffer>): void {
+    this.bytes += values.byteLength - (this.kept.get(key(slice))?.byteLength ?? 0);
     this.kept.set(key(slice), values);
-    this.bytes += values.byteLength;
     const shown = new Set([...this.shown].map(([plane, index]) => key({ plane, index })));
     for (const [name, old] of this.kept) {
       if (this.bytes <= mostBytes) break;

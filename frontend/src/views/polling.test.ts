@@ -47,6 +47,7 @@ it("begins no round once it was stopped", async () => {
   const polling = startPolling(round);
   polling.stop();
   await endLast(0);
+  polling.now();
   await vi.advanceTimersByTimeAsync(1000);
   expect(ends).toHaveLength(1);
 });

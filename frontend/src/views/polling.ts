@@ -24,6 +24,7 @@ export function startPolling(round: () => Promise<number>): Polling {
   void run();
   return {
     now: () => {
+      if (isStopped) return;
       if (isRunning) {
         isWanted = true;
         return;

@@ -13,7 +13,7 @@ export type Route =
 export const adminParts = ["users", "audit", "fleet"] as const;
 export type AdminPart = (typeof adminParts)[number];
 
-/** The installation's own pages, each with the name as the first segment of its path. */
+/** The legal pages, whose texts the operator writes. Each name is the first segment of the page's path. */
 export const legalPages = ["privacy", "terms", "contact"] as const;
 export type LegalPage = (typeof legalPages)[number];
 

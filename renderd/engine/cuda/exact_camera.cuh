@@ -121,7 +121,7 @@ __global__ void __launch_bounds__(kCameraBlock, DIAPHANE_CAMERA_BLOCKS)
     }
     item.radiance = camera.primary.background * transmittance;
     if (met) item.hits |= kItemMet;
-    // A slice that is dimmed to less than half a display level is invisible.
+    // A slice that adds less than half of 1/255 of white, in linear light, does not count as shown.
     if (camera.primary.slice && transmittance > 0.5f / 255.0f) item.hits |= kItemShowsSlice;
   }
   const std::uint32_t number = tile * kTilePixels + lane;

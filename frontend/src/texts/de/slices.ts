@@ -35,7 +35,7 @@ export const slices: Texts["slices"] = {
   maximise: (view) => `Nur ${view} zeigen (M)`,
   restore: "Alle Ansichten zeigen (M)",
   canvas: (view) =>
-    `${view}e Schicht. Die Pfeile auf und ab oder Bild auf und Bild ab blättern durch die Schichten, Umschalt und Pfeile bewegen das Fadenkreuz, Strg und Pfeile verschieben die Schicht, Plus und Minus zoomen, M zeigt nur diese Schicht, und R setzt die Schichten zurück.`,
+    `${view}e Schicht. Die Pfeiltasten auf und ab oder Bild auf und Bild ab blättern durch die Schichten. Umschalt mit einer Pfeiltaste bewegt das Fadenkreuz. Strg mit einer Pfeiltaste verschiebt das Bild. Plus und Minus zoomen. M zeigt nur diese Schicht. R setzt die Schichten zurück.`,
   slider: (view) => `${view}e Schicht`,
   number: (index, count) => `${index} von ${count}`,
   title: (view, index, count) => `${view} ${index}/${count}`,

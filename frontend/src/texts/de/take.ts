@@ -42,7 +42,7 @@ export const take: Texts["take"] = {
   height: "Höhe",
   wrongSize: (least, most) =>
     `Jede Seite muss ${least} bis ${number.format(most)} Bildpunkte lang sein. Geben Sie ganze Zahlen ein.`,
-  otherHint: "Der senkrechte Bildausschnitt bleibt gleich. An den Seiten wird beschnitten oder erweitert.",
+  otherHint: "Die Höhe des Bildausschnitts bleibt gleich. An den Seiten wird er beschnitten oder erweitert.",
   quality: "Qualität",
   qualities: {
     quick: "Entwurf, etwas körnig",

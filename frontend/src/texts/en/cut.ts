@@ -5,7 +5,7 @@ export const cut = {
   noHead:
     "We didn’t find a head in this scan, but we could be wrong. Look at the picture from all sides. Can you see a face, or anything else that could identify someone?",
   noIdea: "Look at the picture from all sides. Can you see a face, or anything else that could identify someone?",
-  how: "Drag the round handles in the picture, or move the sliders. Everything that you cut off will be deleted.",
+  how: "Drag the round handles in the picture, or move the sliders. What you cut away is deleted once you confirm.",
   area: "Box in the picture",
   panel: "Part to keep",
   facePlane: "Slanted cut to remove the face",

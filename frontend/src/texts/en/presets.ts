@@ -2,7 +2,7 @@
 export const presets = {
   open: "Saved presets",
   title: "Saved presets",
-  lead: "A preset keeps the colours, lights, cuts and viewpoint.",
+  lead: "A preset saves the colours, lights, cuts and viewpoint.",
   none: "There are no presets yet. Adjust the picture as you like it, then save it as a preset.",
   name: "Name of the new preset",
   nameHint:

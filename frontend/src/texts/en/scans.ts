@@ -120,7 +120,7 @@ export const scans = {
       case "missing":
         return `${count(note.count, "slice was", "slices were")} missing and interpolated from the neighbouring slices.`;
       case "duplicates":
-        return `${count(note.count, "slice was duplicated", "slices were duplicated")}. One copy of each was kept.`;
+        return `${count(note.count, "duplicate slice was", "duplicate slices were")} skipped.`;
       case "overview":
         return `${count(note.count, "overview image was", "overview images were")} skipped.`;
       case "size":

@@ -35,7 +35,7 @@ export const slices = {
   maximise: (view: string) => `Show only ${view} (M)`,
   restore: "Show all views (M)",
   canvas: (view: string) =>
-    `${view} slice. The up and down arrows or Page Up and Page Down scroll through the slices, Shift and the arrows move the crosshair, Ctrl and the arrows move the slice, plus and minus zoom, M shows this slice alone, and R resets the slices.`,
+    `${view} slice. The up and down arrow keys or Page Up and Page Down scroll through the slices. Shift with an arrow key moves the crosshair. Ctrl with an arrow key pans the image. Plus and minus zoom. M shows only this slice. R resets the slices.`,
   slider: (view: string) => `${view} slice`,
   number: (index: number, count: number) => `${index} of ${count}`,
   title: (view: string, index: number, count: number) => `${view} ${index}/${count}`,

@@ -18,6 +18,7 @@ const mostWhileLeaving = 60_000;
 export function RecordedInteraction({ session }: { readonly session: ViewerSession }) {
   const { api } = useApp();
   useEffect(() => {
+    consent.value = false; // what another user of this tab agreed to does not count
     api.recordings().then(
       (mine) => (consent.value = mine.consent),
       () => undefined,

@@ -68,7 +68,11 @@ export function useShot(place: Place): Shot {
       if (now.kind === "rendering") setProgress((before) => withProgress(before, now.done, performance.now()));
       setState(now);
     };
-    const begun = order.kind === "still" ? await still(order, place, tell) : file(order, place, tell);
+    const preparing = order.kind === "still" ? still(order, place, tell) : Promise.resolve(file(order, place, tell));
+    const begun = await preparing.catch((thrown: unknown) => {
+      taking.current = false;
+      throw thrown;
+    });
     if (left.current) return; // the viewer was left while the codecs were being tested
     work.current = begun;
     begun.start();
