@@ -31,7 +31,7 @@ TEST(Texture, RefusesFilesThatAreNotImages) {
 TEST(Texture, RefusesFileThatIsTooLarge) {
   const auto size = texture_size(std::string(kMostTextureBytes + 1, '\0'));
   ASSERT_FALSE(size);
-  EXPECT_NE(size.error().message.find("8 MB"), std::string::npos);
+  EXPECT_NE(size.error().message.find("8 MiB"), std::string::npos);
 }
 
 TEST(Texture, LinearizesWithTheSrgbCurve) {
