@@ -82,31 +82,30 @@ export interface StreamDependencies extends Pick<SilenceDependencies, "nowMs" | 
 
 export interface StreamEvents {
   connection(state: ConnectionState): void;
-  /** Called with the configuration of a connection, before any of its frames. */
+  /** Called before any frame of the connection. */
   config(config: Config): void;
   frame(frame: Frame): void;
   still(still: Still): void;
   slice(slice: ExactSlice): void;
-  /** Called if the session's clip has changed since the slices arrived. */
+  /** The session's clip has changed since the slices arrived. */
   slicesStale(): void;
-  /** Called with the participants. This page may have become the presenter, or may no longer be. */
+  /** The participants. This page may have become the presenter, or may no longer be. */
   audience(audience: Audience): void;
-  /** Called with the presenter's scene. */
+  /** The presenter's scene. */
   look(scene: Scene): void;
   state(state: State): void;
   stats(stats: Stats): void;
   problem(problem: Problem): void;
-  /** Called with the progress of the ordered file, from 0 to 1. */
+  /** Progress of the ordered file, from 0 to 1. */
   fileProgress(done: number): void;
   filePart(part: FilePart): void;
-  // Called after a request with the kernel that renders the picture, or the error of the current
-  // view.
+  // After a request: the kernel that renders the picture, and the error of the current view.
   kernel(report: KernelReport): void;
   errorCurve(curve: ErrorCurve): void;
-  /** Called with what the other participants show. */
+  /** What the other participants show. */
   shared(shared: SharedState): void;
   markSight(sight: MarkSight): void;
-  /** Called with the labels of the scan, whenever they change. */
+  /** The labels of the scan, whenever they change. */
   labels(labels: Labels): void;
 }
 
@@ -139,7 +138,7 @@ export class StreamClient {
   private freeCamera = false;
   private readonly depths: DepthQueries;
   private readonly silence: SilenceWatch;
-  /** Whether the picture is unfinished, so that messages are due. */
+  /** The picture is not finished, so messages are due. */
   private unfinished = false;
   /** Where the free camera was before the connection was lost. */
   private ownPose: CameraPose | null = null;
@@ -159,7 +158,7 @@ export class StreamClient {
     return this.state;
   }
 
-  /** Returns the number of the newest input. */
+  /** The number of the newest input. */
   get inputSeq(): number {
     return this.lastInputSeq;
   }
@@ -177,15 +176,12 @@ export class StreamClient {
     this.happened({ kind: "wake" });
   }
 
-  /** Probes the server, because the browser has reported that it has no network. */
+  /** The browser has reported that it has no network. */
   checkNetwork(): void {
     if (this.state.phase === "live") this.silence.check();
   }
 
-  /**
-   * Sets the last request of an earlier visit, which is sent only to a worker that has not received
-   * it. Call before `start`.
-   */
+  /** The last request of an earlier visit, sent only to a worker that has not received it. Call before `start`. */
   remember(scene: Scene, inputSeq: number): void {
     this.scene = scene;
     this.lastInputSeq = inputSeq;
@@ -226,7 +222,7 @@ export class StreamClient {
     this.planFlush();
   }
 
-  /** Sets the effort, which every new worker gets as well. */
+  /** Sent to every new worker. */
   setEffort(effort: Effort): void {
     this.effort = effort;
     if (!this.leading) return;
@@ -277,10 +273,7 @@ export class StreamClient {
     if (this.state.phase === "live") this.socket?.send(encodeNeedKey());
   }
 
-  /**
-   * Acknowledges a frame or still. Required for each one, shown or not, because the server keeps
-   * about two in flight.
-   */
+  /** Required for each frame and still, shown or not, because the server keeps about two in flight. */
   ack(frame: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number): void {
     if (this.state.phase === "live") this.socket?.send(encodeAck(frame.seq, frame.epoch, times, queue));
     if (times.presentedMs !== undefined) this.happened({ kind: "picture" });
@@ -327,10 +320,7 @@ export class StreamClient {
     return true;
   }
 
-  /**
-   * Updates whether messages are due. A hidden page gets none, and neither does one whose picture
-   * is finished.
-   */
+  /** A hidden page gets nothing, and neither does one whose picture is finished. */
   private expectMessages(unfinished = this.unfinished): void {
     this.unfinished = unfinished;
     this.silence.expect(this.state.phase === "live" && this.visible && this.unfinished);
@@ -354,11 +344,11 @@ export class StreamClient {
     this.planFlush();
   }
 
-  /** Updates whether this page controls the scene. */
+  /** Takes over whether this page controls the scene from now on. */
   private takeRole(config: Config): void {
     if (config.follower) {
       if (this.freeCamera) {
-        // The new connection does not know yet that this viewer has a free camera.
+        // It returns over a new connection, which does not know of the free camera yet.
         if (this.leading && this.scene) this.ownPose = cameraOf(this.scene);
         this.socket?.send(encodeFreeCamera(true));
       }
@@ -425,14 +415,14 @@ export class StreamClient {
         this.depths.receive(body.value);
         break;
       case "problem":
-        // A free camera that was refused is not requested again automatically.
+        // If no slot is free for it, it is not requested again automatically.
         if (body.value.field === "own_camera" || body.value.field === "own_camera_taken") this.freeCamera = false;
         this.events.problem(body.value);
         break;
       case "fileProgress":
         this.events.fileProgress(body.value.done);
         break;
-      default: // a message of a later protocol version, which this page can ignore
+      default: // of a later protocol: nothing that this page must know
     }
   }
 
