@@ -82,6 +82,8 @@ Result<void> CompositeRenderer::deal(Division division) {
   }
   const auto shares = plan_shares(division, task_.canvas, speeds, costs_, ++sequence_);
   report_.division = division;
+  // For a whole picture, this device records the guides itself.
+  task_.guided = guided_ && division == Division::kTiles;
   report_.assistants = 0;
   auto taken = own_->set_share(*shares.front());
   if (!taken && taken.error().code == ErrorCode::kConflict) {
@@ -100,8 +102,6 @@ Result<void> CompositeRenderer::deal(Division division) {
     helper.share = shares[i + 1];
     if (!helper.share) continue;
     task_.share = *helper.share;
-    // For a whole picture, this device records the guides itself.
-    task_.guided = guided_ && division == Division::kTiles;
     helper.assistant->begin(task_);
     ++report_.assistants;
   }
@@ -127,7 +127,6 @@ Result<void> CompositeRenderer::settle_changes() {
       // The new share gets a new sequence, because those of the other devices are in use.
       helper.share = Share{.sequence = ++sequence_};
       task_.share = *helper.share;
-      task_.guided = false;
       helper.assistant->begin(task_);
       ++report_.assistants;
     }
