@@ -47,8 +47,11 @@ Result<void> note_file_mark(std::vector<v1::FileMark>& marks, const v1::FileMark
   std::uint64_t pixels = pixels_of(mark);
   if (pixels > kMostLabelPixels) return fail(ErrorCode::kInvalid, "A mark's text is too large.");
   for (const v1::FileMark& one : marks) pixels += pixels_of(one);
-  if (marks.size() >= kMostFileMarks || pixels > kMostPixelsOfLabels) {
+  if (marks.size() >= kMostFileMarks) {
     return fail(ErrorCode::kInvalid, "A file can contain at most 100 marks.");
+  }
+  if (pixels > kMostPixelsOfLabels) {
+    return fail(ErrorCode::kInvalid, "The texts of the marks in a file are too large.");
   }
   marks.push_back(mark);
   return {};
