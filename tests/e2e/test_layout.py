@@ -185,6 +185,7 @@ def test_a_guest_on_a_phone_reads_what_they_can_do(stack: TestStack, visit, open
 
 def test_nothing_of_a_scan_stays_with_a_guest_after_the_end(visit, opened, pictures: Path):
     page, _ = opened("en-GB", 1280, 720)
+    page.get_by_role("button", name="Show the slices (V)").click()  # guests see slices only while the presenter does
     page.locator(".tool-share").click()
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("button", name="Create link").click()

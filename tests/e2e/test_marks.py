@@ -162,7 +162,7 @@ def test_marks_are_made_changed_undone_and_saved(stack: TestStack, visit, craniu
     saved.get_by_role("checkbox", name="Before surgery").click()
     expect(other.locator(MARKS)).to_have_count(4)
     saved.get_by_role("checkbox", name="Everyone who can open this scan sees it").click()
-    expect(saved.get_by_text("Shared marks are visible to people")).to_be_visible()
+    expect(saved.get_by_text("Shared marks are visible to everyone")).to_be_visible()
     saved.get_by_role("button", name="Rename Before surgery").click()
     saved.get_by_label("New name").fill("Then")
     saved.get_by_role("button", name="Rename", exact=True).click()

@@ -277,7 +277,8 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     report_ways(api, made)
     link = one.http.post(f"/v1/data-sets/{made}/links", json={"hours": 1}).json()
     one.http.get(f"/v1/data-sets/{made}/links")
-    client(api).post("/v1/follow", json={"token": link["token"]})
+    for path in ("/v1/follow", "/v1/follow/annotations"):
+        client(api).post(path, json={"token": link["token"]})
     client(api).post("/v1/visits", json={"token": link["token"], "key": "0" * 64})
     one.http.delete(f"/v1/data-sets/{made}/links/{link['id']}")
     one.http.patch("/v1/me/public-name", json={"public_name": "One"})
