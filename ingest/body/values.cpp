@@ -51,7 +51,7 @@ double otsu(const Histogram& histogram) {
 }
 
 struct Background {
-  double median = 0, upper = 0;  ///< `upper` bounds 99.7 % of a Rayleigh distribution
+  double median = 0, upper = 0;  ///< `upper` bounds 97.5% of a Rayleigh distribution
 };
 
 /// Estimates the values of air from those below `limit`. The lower half of these is air even where
@@ -69,8 +69,8 @@ Background background_below(const Histogram& histogram, double limit) {
     return limit;
   };
   const double low = quantile(0.02), quarter = quantile(0.25), median = quantile(0.5);
-  // The lowest values stand for zero. For a Rayleigh distribution, the quartile is at 0.76 sigma
-  // and the 99.7 % quantile at 3.4 sigma.
+  // For a Rayleigh distribution, the quantiles of 2% and 25% are at 0.20 and 0.76 sigma, so the
+  // bound is at 2.72 sigma, which 97.5% of the values are below.
   return {median, quarter + 3.5 * (quarter - low)};
 }
 

@@ -162,17 +162,21 @@ TEST(BuildVolume, HalvesMrValuesBeyondInt16AndReportsIt) {
   options.series.modality = "MR";
   options.series.bits_stored = 16;
   options.series.high_bit = 15;
+  options.series.intercept = -100;
   options.change = [](int z, SeriesSpec&, SliceSpec& slice) {
     for (std::size_t i = 0; i < slice.pixels.size(); i += 2) {
-      const unsigned value = z == 3 && i == 0 ? 65535 : 1000;
+      const unsigned value = z == 3 && i == 0 ? 65535 : i == 4 ? 98 : 1000;
       slice.pixels[i] = static_cast<std::uint8_t>(value);
       slice.pixels[i + 1] = static_cast<std::uint8_t>(value >> 8);
     }
   };
   auto v = built(files_of(options));
   ASSERT_TRUE(v.has_value()) << v.error().message;
-  EXPECT_EQ(at(*v, 0, 0, 3), 32767);
-  EXPECT_EQ(at(*v, 1, 0, 3), 500);
+  EXPECT_EQ(at(*v, 0, 0, 3), (65535 - 100 - 1) / 2);
+  for (const int z : {0, 3, 7}) {
+    EXPECT_EQ(at(*v, 1, 0, z), 450) << "also in slices stored before the large value came";
+    EXPECT_EQ(at(*v, 2, 0, z), -1) << "negative values stay negative";
+  }
   EXPECT_EQ(v->header.repairs.size(), 1u);
 }
 

@@ -15,55 +15,56 @@ namespace {
 
 constexpr std::int32_t kLow = std::numeric_limits<std::int16_t>::min();
 constexpr std::int32_t kHigh = std::numeric_limits<std::int16_t>::max();
-constexpr std::int32_t kHighUnsigned = std::numeric_limits<std::uint16_t>::max();
 /// Metal and the rims of detectors exceed the range of int16 in a few voxels. A larger share means
 /// that the scale is wrong, and the volume would consist of clipped values.
 constexpr double kLargestClippedShare = 0.1;
 
-/// Stores the low 16 bits of each value while slices arrive. settle() corrects or rejects what
-/// overflowed.
+/// Stores the values of slices as they arrive. An MR or PT scan with 16 unsigned bits reaches
+/// 65,535: from the first value above the range of int16, all of its values are halved, those
+/// already stored included. Values may be negative at the same time.
 class Voxels {
  public:
-  explicit Voxels(bool is_ct) : is_ct_(is_ct) {}
+  Voxels(bool is_ct, volume::Volume& volume) : is_ct_(is_ct), volume_(volume) {}
 
-  void put(const dicom::Values& values, std::int16_t* to) {
+  void put(const dicom::Values& values, std::size_t at) {
     padded_ += values.padded;
+    if (!is_ct_ && !halved_ &&
+        std::ranges::any_of(values.values, [](std::int32_t value) { return value > kHigh; })) {
+      for (std::int16_t& voxel : volume_.voxels) voxel = static_cast<std::int16_t>(voxel >> 1);
+      halved_ = true;
+    }
     for (const std::int32_t value : values.values) {
-      const std::int32_t kept = std::clamp(value, kLow, is_ct_ ? kHigh : kHighUnsigned);
-      clamped_ += kept != value ? 1 : 0;
-      largest_ = std::max(largest_, kept);
-      *to++ = static_cast<std::int16_t>(kept);
+      const std::int32_t stored = halved_ ? value >> 1 : value;
+      const std::int32_t kept = std::clamp(stored, kLow, kHigh);
+      clamped_ += kept != stored ? 1 : 0;
+      volume_.voxels[at++] = static_cast<std::int16_t>(kept);
     }
   }
 
   std::uint64_t padded() const { return padded_; }
 
-  /// Halves all values of an MR or PT scan with 16 unsigned bits, which reach 65535. Returns
-  /// kUnsupported if too many values were clipped.
-  Result<void> settle(volume::Volume& volume) const {
-    const auto voxels = static_cast<double>(volume.voxels.size());
-    if (static_cast<double>(clamped_) > kLargestClippedShare * voxels) {
+  /// Lists what was changed among the repairs. Returns kUnsupported if too many values were
+  /// clipped.
+  Result<void> settle() const {
+    if (static_cast<double>(clamped_) >
+        kLargestClippedShare * static_cast<double>(volume_.voxels.size())) {
       return fail(ErrorCode::kUnsupported,
                   "many of its values are too large to store, so the scale in the files is wrong");
     }
+    std::vector<std::string>& repairs = volume_.header.repairs;
     if (clamped_ > 0) {
-      volume.header.repairs.emplace_back(is_ct_
-                                             ? "values above 32,767 Hounsfield units were clipped"
-                                             : "values above 65,535 were clipped");
+      repairs.emplace_back(is_ct_ ? "values above 32,767 Hounsfield units were clipped"
+                                  : "values above 65,535 were clipped");
     }
-    if (largest_ <= kHigh) return {};
-    for (std::int16_t& voxel : volume.voxels) {
-      voxel = static_cast<std::int16_t>(static_cast<std::uint16_t>(voxel) >> 1);
-    }
-    volume.header.repairs.emplace_back("values were halved for storage");
+    if (halved_) repairs.emplace_back("values were halved for storage");
     return {};
   }
 
  private:
-  bool is_ct_;
+  bool is_ct_, halved_ = false;
+  volume::Volume& volume_;
   std::size_t clamped_ = 0;
   std::uint64_t padded_ = 0;
-  std::int32_t largest_ = 0;
 };
 
 volume::Header header_of(const dicom::Assessment& found, const dicom::Choice& choice) {
@@ -96,7 +97,7 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
   volume.header.size = {first.columns, first.rows, static_cast<std::uint32_t>(found.order.size())};
   try {
     volume.voxels.resize(volume.header.voxel_count());
-    Voxels voxels(found.modality == volume::Modality::kCt);
+    Voxels voxels(found.modality == volume::Modality::kCt, volume);
     const std::size_t picture = std::size_t{first.columns} * first.rows;
     std::size_t done = 0;
     const auto want = [&](std::size_t file) { return places.contains(file); };
@@ -107,7 +108,7 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
       for (const std::size_t z : places[file]) {
         auto values = dicom::read_values(checked, series.slices[found.order[z]], found.unit);
         DIAPHANE_TRY(values);
-        voxels.put(*values, volume.voxels.data() + z * picture);
+        voxels.put(*values, z * picture);
         ++done;
       }
       return {};
@@ -115,7 +116,7 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
     DIAPHANE_TRY(source.visit(want, take));
     if (done != found.order.size())
       return fail(ErrorCode::kInvalid, "a file has disappeared during processing");
-    DIAPHANE_TRY(voxels.settle(volume));
+    DIAPHANE_TRY(voxels.settle());
     const auto air = static_cast<std::int16_t>(dicom::air_of(found.modality));
     built.filler = {air, voxels.padded()};
     if (!found.sources.empty()) resample(found, air, built);
