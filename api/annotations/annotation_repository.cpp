@@ -54,8 +54,9 @@ Result<void> AnnotationRepository::add(const AnnotationSet& set, int most) {
         "SELECT count(*)::int AS number FROM annotations WHERE data_set_id = $1 AND author_id = $2",
         set.data_set_id, set.author_id);
     if (count["number"].as<int>() >= most) {
-      return fail(ErrorCode::kTooMany,
-                  "You have saved 20 sets of marks for this scan. Delete one of them first.");
+      return fail(ErrorCode::kTooMany, "You have saved " + std::to_string(most) +
+                                           " sets of marks for this scan. Delete one of them "
+                                           "first.");
     }
     transaction.exec_params0(
         R"sql(

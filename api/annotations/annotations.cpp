@@ -65,7 +65,11 @@ Outcome<AnnotationSet> AnnotationSets::add(const Principal& who, const std::stri
   set.author_id = who.user_id;
   set.mine = true;
   set.created_at = set.updated_at = clock_.wall();
-  if (const auto done = store_.add(set, kMostSets); !done) return set_problem(done.error());
+  const auto done = store_.add(set, kMostSets);
+  if (!done && done.error().code == ErrorCode::kNotFound) {
+    return refuse(ProblemKind::kNotFound, "The scan has been deleted.");
+  }
+  if (!done) return set_problem(done.error());
   return set;
 }
 

@@ -107,6 +107,13 @@ TEST_F(AnnotationSetsTest, AnAuthorSavesAtMostTwentyPerScan) {
   EXPECT_EQ(refusal(sets.add(owner, id, named("One more"))), ProblemKind::kTooMany);
 }
 
+TEST_F(AnnotationSetsTest, SaysThatTheScanWasDeletedMeanwhile) {
+  store.break_function("add", ErrorCode::kNotFound);
+  const auto added = sets.add(owner, id, named("a"));
+  ASSERT_EQ(refusal(added), ProblemKind::kNotFound);
+  EXPECT_EQ(added.error().detail, "The scan has been deleted.");
+}
+
 TEST_F(AnnotationSetsTest, ReportsAnUnavailableDatabase) {
   const std::string set = added(owner);
   expect_unavailable({{store, "list", [&] { return refusal(sets.list(owner, id)); }},

@@ -112,6 +112,7 @@ Outcome<void> Presets::remove(const Principal& who, const std::string& id, int v
     DIAPHANE_TRY(allowed);
   }
   if (const auto done = store_.remove(id, version); !done) return from_store(done.error());
+  signals_.raise(Signal::kDisposal);
   return {};
 }
 

@@ -129,6 +129,7 @@ TEST_F(PresetsTest, AuthorWithViewAccessOnlyCannotChangeThePreset) {
   data_set_store.roles[{editor.user_id, id}] = Role::kSharedView;
   EXPECT_EQ(refusal(presets.change(editor, preset_id, 3, {})), ProblemKind::kForbidden);
   EXPECT_TRUE(presets.remove(editor, preset_id, 3)) << "but deletes what is theirs";
+  EXPECT_EQ(disposals, 1) << "its preview image goes at once";
 }
 
 TEST_F(PresetsTest, ChangeRequiresTheCurrentVersion) {

@@ -76,6 +76,7 @@ Outcome<void> Exports::remove(const Principal& who) {
   const auto done = store_.remove(who.user_id, clock_.wall());
   if (!done) return refuse(done.error());
   if (!*done) return none();
+  signals_.raise(Signal::kDisposal);
   return {};
 }
 

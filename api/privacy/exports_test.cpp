@@ -207,8 +207,11 @@ TEST_F(ExportsTest, WithoutAnExportThereIsNothingToGetOrRemove) {
   Principal bert;
   bert.user_id = "bert";
   EXPECT_EQ(refusal(exports->find(bert)), ProblemKind::kNotFound);
+  int disposals = 0;
+  signals.subscribe(Signal::kDisposal, [&] { ++disposals; });
   EXPECT_TRUE(exports->remove(anna));
   EXPECT_EQ(refusal(exports->find(anna)), ProblemKind::kNotFound);
+  EXPECT_EQ(disposals, 1) << "its file goes at once";
 }
 
 TEST_F(ExportsTest, OnlyAnExportThatIsReadyHasAFile) {

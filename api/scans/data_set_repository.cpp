@@ -194,12 +194,18 @@ Result<void> DataSetRepository::cancel_upload(const Owner& owner, const std::str
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     const pqxx::result of_labels = transaction.exec_params(
         R"sql(
-        DELETE FROM uploads u USING data_sets d
-         WHERE u.id = $2 AND u.for_labels AND u.received < u.length AND d.id = u.data_set_id
+        SELECT u.received < u.length AS incomplete FROM uploads u JOIN data_sets d ON d.id = u.data_set_id
+         WHERE u.id = $2 AND u.for_labels
            AND (d.owner_id = $1::uuid OR ($1::uuid IS NULL AND d.owner_id IS NULL AND d.is_sample))
-        RETURNING u.id)sql",
+           FOR UPDATE OF u)sql",
         owner_or_null(owner), id);
-    if (!of_labels.empty()) return {};
+    if (!of_labels.empty()) {
+      if (!of_labels[0]["incomplete"].as<bool>()) {
+        return fail(ErrorCode::kConflict, "The upload is already complete.");
+      }
+      transaction.exec_params0("DELETE FROM uploads WHERE id = $1", id);
+      return {};
+    }
     const pqxx::result found = transaction.exec_params(
         R"sql(
         SELECT state FROM data_sets

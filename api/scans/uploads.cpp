@@ -130,7 +130,7 @@ Outcome<void> Uploads::terminate(const Principal& who, const std::string& id) {
   if (!done && done.error().code == ErrorCode::kNotFound) return no_such_upload();
   if (!done && done.error().code == ErrorCode::kConflict) {
     return refuse(ProblemKind::kUploadComplete,
-                  "This upload is already complete. Delete the data set instead.");
+                  "This upload is already complete. Delete the scan or its labels instead.");
   }
   if (!done) return refuse(done.error());
   signals_.raise(Signal::kDisposal);

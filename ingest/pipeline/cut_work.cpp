@@ -30,7 +30,7 @@ void Worker::work_cut(const Job& job) {
     return refuse_cut(job, "The scan has changed since you reviewed it. Nothing was removed.");
   }
   if (job.attempts >= options_.most_attempts) {
-    return refuse_cut(job, "The server ran out of memory each time. Nothing was removed.");
+    return refuse_cut(job, "The server ran out of memory or time each time. Nothing was removed.");
   }
   const auto plan = volume::plan_cut(*header, order.region);
   if (!plan) return refuse_cut(job, "Too little of the scan would remain. Nothing was removed.");

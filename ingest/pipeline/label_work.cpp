@@ -14,7 +14,7 @@ void Worker::work_labels(const Job& job) {
   if (!header) return refuse_labels(job, "internal", "The stored scan cannot be read.");
   if (job.attempts >= options_.most_attempts) {
     return refuse_labels(job, "no_memory",
-                         "The server ran out of memory each time it read these labels.");
+                         "The server ran out of memory or time each time it read these labels.");
   }
   Hold hold = Hold::kOurs;
   const auto build = builder_.place_labels({upload_path(job), *header}, keep_going(job, hold));

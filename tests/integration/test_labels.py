@@ -164,6 +164,15 @@ def test_an_upload_of_labels_counts_and_can_be_given_up(running, owner, scan):
     running.wait_until(lambda: not list((running.data_dir / "uploads").iterdir()), what="the uploads to go")
 
 
+def test_a_complete_upload_of_labels_cannot_be_given_up(running, owner, scan):
+    upload = announce(owner, scan, 1000).json()["upload_url"]
+    remove = {"url": upload, "headers": {"Tus-Resumable": "1.0.0"}}
+    running.psql("UPDATE uploads SET received = length WHERE data_set_id = %s", scan)
+    problem(owner.http.delete(**remove), 409, "upload-complete")
+    running.psql("UPDATE uploads SET received = 0 WHERE data_set_id = %s", scan)
+    assert owner.http.delete(**remove).status_code == 204
+
+
 def test_an_upload_of_labels_that_is_abandoned_expires_alone(running, owner, scan):
     announce(owner, scan, 1000)
     running.psql("UPDATE uploads SET expires_at = now() - interval '1 second' WHERE data_set_id = %s", scan)
