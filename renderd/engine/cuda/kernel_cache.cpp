@@ -1,5 +1,7 @@
 #include "renderd/engine/cuda/kernel_cache.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +13,7 @@
 #include <fstream>
 #include <vector>
 
+#include "common/fd.h"
 #include "renderd/engine/cuda/checksum.h"
 
 namespace diaphane::render::cuda {
@@ -50,14 +53,26 @@ std::optional<std::string> take_text(std::string_view& from) {
   return text;
 }
 
+/// Returns the bytes of a file that this user or root has written and nobody else may change. The
+/// bytes become code of this process. Returns nothing otherwise.
 std::string read_file(const std::string& path) {
-  // The size must be that of the open file, because another process may replace the path at any
+  const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  // The facts must be those of the open file, because another process may replace the path at any
   // time.
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const std::streamoff size = file.tellg();
-  if (!file || size < 0 || static_cast<std::uint64_t>(size) > kLargestFile) return {};
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  if (!file.seekg(0) || !file.read(bytes.data(), size)) return {};
+  struct stat facts {};
+  if (file.get() < 0 || ::fstat(file.get(), &facts) != 0 || !S_ISREG(facts.st_mode)) return {};
+  if ((facts.st_uid != ::geteuid() && facts.st_uid != 0) ||
+      (facts.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
+    return {};
+  }
+  if (static_cast<std::uint64_t>(facts.st_size) > kLargestFile) return {};
+  std::string bytes(static_cast<std::size_t>(facts.st_size), '\0');
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t some = ::read(file.get(), bytes.data() + done, bytes.size() - done);
+    if (some <= 0) return {};
+    done += static_cast<std::size_t>(some);
+  }
   return bytes;
 }
 
@@ -131,6 +146,7 @@ void KernelCache::keep(const std::string& key, const CompiledKernel& kernel) con
       return;
     }
   }
+  fs::permissions(temporary, fs::perms::owner_read | fs::perms::owner_write, failed);
   fs::rename(temporary, path, failed);
   if (failed) fs::remove(temporary, failed);
   forget_the_oldest(directory_);

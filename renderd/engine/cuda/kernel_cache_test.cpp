@@ -76,6 +76,20 @@ TEST_F(KernelCacheTest, RefusesFileOfAnotherKey) {
   EXPECT_FALSE(cache.find("two"));
 }
 
+TEST_F(KernelCacheTest, RefusesCodeThatOthersCanChange) {
+  const KernelCache cache(directory_);
+  cache.keep("key", kKernel);
+  const fs::path path = only_file();
+  ASSERT_TRUE(cache.find("key"));
+  fs::permissions(path, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_FALSE(cache.find("key"));
+  fs::permissions(path, fs::perms::others_write, fs::perm_options::remove);
+  ASSERT_TRUE(cache.find("key"));
+  fs::rename(path, path.string() + ".moved");
+  fs::create_symlink(path.string() + ".moved", path);
+  EXPECT_FALSE(cache.find("key")) << "a link can lead to anyone's file";
+}
+
 TEST_F(KernelCacheTest, KeepsABoundedNumberOfFiles) {
   const KernelCache cache(directory_);
   for (std::size_t i = 0; i < KernelCache::kMostFiles + 10; ++i) {

@@ -20,7 +20,7 @@ Result<void> grow(DeviceBuffer<T>& larger, const DeviceBuffer<T>& buffer, std::s
 }
 
 tl::unexpected<Error> no_scene() {
-  return fail(ErrorCode::kInternal, "a scene must be set before rendering");
+  return fail(ErrorCode::kInvalid, "a scene must be set before rendering", "scene");
 }
 
 }  // namespace
@@ -157,6 +157,9 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
                                 film_ ? &prepared_ : nullptr, film_ ? &scene_ : nullptr);
   DIAPHANE_TRY(prepared);
+  if (method_.walk == Walk::kExact && !use_exact_walk(*prepared, method_)) {
+    return fail(ErrorCode::kUnsupported, "the exact walk cannot render this scene", "estimator");
+  }
   // Required allocations come first, so that the old picture remains if one of them fails.
   auto larger = grown_tables(*prepared);
   DIAPHANE_TRY(larger);
