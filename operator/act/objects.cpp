@@ -76,7 +76,7 @@ Json pod_object(const CreatePod& action, const std::string& fleet, const Labels&
   metadata["annotations"][kEpochAnnotation] = std::to_string(action.epoch);
   metadata["ownerReferences"] = owned_by("RenderWorker", action.worker, action.worker_uid);
   Json& container = render_container(pods);
-  for (const char* kind : {"limits", "requests"}) container["resources"][kind][kGpu] = "1";
+  set_gpus(container, action.gpus);
   set_environment(container, "DIAPHANE_OWNER", owner_text(fleet, action.worker_uid, action.epoch));
   set_environment(container, "DIAPHANE_WORKER_ID", action.worker);
   Json& spec = pods["spec"];

@@ -16,8 +16,8 @@ struct Target {
 };
 
 Json worker_object(const CreateWorker& action, const Json& pods);
-/// `pods` comes from with_slots(). `selector` is the fleet's node selector, to which the node is
-/// added.
+/// `pods` comes from worker_template(). `selector` is the fleet's node selector, to which the node
+/// is added.
 Json pod_object(const CreatePod& action, const std::string& fleet, const Labels& selector,
                 Json pods);
 

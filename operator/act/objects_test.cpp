@@ -56,12 +56,13 @@ TEST(Objects, ParsesFleet) {
 }
 
 TEST(Objects, TemplateHashDependsOnlyOnItsContent) {
-  const std::string hash = template_hash(with_slots(pods(), 4));
-  EXPECT_EQ(template_hash(with_slots(Json::parse(pods().dump()), 4)), hash);
-  EXPECT_NE(template_hash(with_slots(pods(), 5)), hash);
+  const FleetSpec spec{.sessions_per_worker = 4};
+  const std::string hash = template_hash(worker_template(pods(), spec));
+  EXPECT_EQ(template_hash(worker_template(Json::parse(pods().dump()), spec)), hash);
+  EXPECT_NE(template_hash(worker_template(pods(), {.sessions_per_worker = 5})), hash);
   Json other = pods();
   other["spec"]["containers"][1]["image"] = "r2";
-  EXPECT_NE(template_hash(with_slots(other, 4)), hash);
+  EXPECT_NE(template_hash(worker_template(other, spec)), hash);
   EXPECT_EQ(read_fleet(fleet_object())->fleet.spec.template_hash, hash);
 }
 
@@ -125,7 +126,8 @@ TEST(Objects, FleetStatusRoundTrips) {
 }
 
 TEST(Objects, PodRequestsItsGpuNodeAndName) {
-  const Json pod = pod_object(kPod, "skull", {{"pool", "gpu"}}, with_slots(pods(), 4));
+  const Json pod = pod_object(kPod, "skull", {{"pool", "gpu"}},
+                              worker_template(pods(), {.sessions_per_worker = 4}));
   const Json& container = pod["spec"]["containers"][1];
   EXPECT_EQ(container["resources"]["limits"]["nvidia.com/gpu"], "1");
   EXPECT_EQ(container["resources"]["limits"]["memory"], "1Gi");
@@ -142,6 +144,27 @@ TEST(Objects, PodRequestsItsGpuNodeAndName) {
   EXPECT_EQ(term[0]["matchFields"][0]["values"], Json::array({"node-1"}));
   EXPECT_EQ(pod["spec"]["nodeSelector"]["pool"], "gpu");
   EXPECT_EQ(pod["metadata"]["labels"]["app"], "renderd");
+}
+
+TEST(Objects, PodRequestsAllGpusOfItsWorker) {
+  Json fleet = fleet_object();
+  fleet["spec"]["gpusPerWorker"] = 4;
+  const auto read = read_fleet(fleet);
+  EXPECT_EQ(read->fleet.spec.gpus_per_worker, 4);
+  EXPECT_NE(read->fleet.spec.template_hash, read_fleet(fleet_object())->fleet.spec.template_hash)
+      << "workers with another number of GPUs are outdated";
+  CreateWorker create = kWorker;
+  create.template_hash = read->fleet.spec.template_hash;
+  Templates templates;
+  const auto worker = read_worker(worker_object(create, *read->pods), templates);
+  EXPECT_EQ(worker->worker.gpus, 4);
+  CreatePod action = kPod;
+  action.gpus = worker->worker.gpus;
+  Json pod = pod_object(action, "skull", {}, *worker->pods);
+  EXPECT_EQ(pod["spec"]["containers"][1]["resources"]["limits"]["nvidia.com/gpu"], "4");
+  pod["metadata"]["uid"] = "p";
+  EXPECT_EQ(read_pod(pod, "")->pod.gpus, 4);
+  EXPECT_EQ(read_worker(worker_object(kWorker, pods()), templates)->worker.gpus, 1);
 }
 
 TEST(Objects, PodIsOwnOnlyIfARenderWorkerOwnsIt) {

@@ -99,6 +99,7 @@ FleetStatus fleet_status(const Json& status) {
 FleetSpec fleet_spec(const Json& spec) {
   FleetSpec read;
   read.sessions_per_worker = number(spec, "sessionsPerWorker", read.sessions_per_worker);
+  read.gpus_per_worker = number(spec, "gpusPerWorker", read.gpus_per_worker);
   read.strategy = text(spec, "strategy") == "Packed" ? Strategy::kPacked : Strategy::kLeastLoaded;
   read.min_idle_slots = number(part(spec, "warm"), "minIdleSlots", 0);
   read.max_refill_per_second = number(part(spec, "warm"), "maxRefillPerSecond", 0.0);
@@ -203,7 +204,7 @@ std::optional<FleetObject> read_fleet(const Json& object) {
   fleet.spec = fleet_spec(part(object, "spec"));
   fleet.status = fleet_status(part(object, "status"));
   read.pods = std::make_shared<const Json>(
-      with_slots(part(part(object, "spec"), "template"), fleet.spec.sessions_per_worker));
+      worker_template(part(part(object, "spec"), "template"), fleet.spec));
   fleet.spec.template_hash = template_hash(*read.pods);
   return read;
 }
@@ -241,6 +242,7 @@ std::optional<WorkerObject> read_worker(const Json& object, Templates& templates
   worker.status.failed_at = time(status, "failedAt").value_or(0);
   worker.status.conditions = conditions(status);
   const Json& pods = part(spec, "template");
+  worker.gpus = std::max(gpus_of(part(pods, "spec")), 1);
   if (template_hash(pods) == worker.template_hash) {
     read.pods = templates.intern(worker.template_hash, pods);
   }
@@ -272,6 +274,7 @@ std::optional<PodObject> read_pod(const Json& object, const std::string& home) {
   pod.epoch = std::strtoll(text(annotations, kEpochAnnotation, "0").c_str(), nullptr, 10);
   pod.phase = phase_of(text(status, "phase"));
   pod.node = text(spec, "nodeName");
+  pod.gpus = gpus_of(spec);
   pod.created = time(metadata, "creationTimestamp").value_or(0);
   pod.terminating = time(metadata, "deletionTimestamp");
   for (const Condition& one : conditions(status)) {
@@ -283,7 +286,7 @@ std::optional<PodObject> read_pod(const Json& object, const std::string& home) {
   }
   read.ours = at_home && (pod.owned || is(kFleetLabel, ""));
   const bool ended = pod.phase == Phase::kSucceeded || pod.phase == Phase::kFailed;
-  read.gpus = pod.owned || ended || pod.node.empty() ? 0 : gpus_of(spec);
+  read.gpus = pod.owned || ended || pod.node.empty() ? 0 : pod.gpus;
   // Other pods matter only if they use GPUs.
   if (!read.ours && read.gpus == 0) return std::nullopt;
   return read;
@@ -332,10 +335,20 @@ void set_environment(Json& container, const char* name, const std::string& value
   all.insert(all.begin(), Json{{"name", name}, {"value", value}});
 }
 
-Json with_slots(Json pods, int slots) {
+Json worker_template(Json pods, const FleetSpec& spec) {
   if (!pods.is_object() || !part(pods, "spec").is_object()) pods = {{"spec", Json::object()}};
-  set_environment(render_container(pods), "DIAPHANE_SLOTS", std::to_string(slots));
+  Json& container = render_container(pods);
+  set_environment(container, "DIAPHANE_SLOTS", std::to_string(spec.sessions_per_worker));
+  // The template of a worker with one GPU is the same as in versions that gave each worker one, so
+  // that an upgrade does not replace all workers.
+  if (spec.gpus_per_worker > 1) set_gpus(container, spec.gpus_per_worker);
   return pods;
+}
+
+void set_gpus(Json& container, int gpus) {
+  for (const char* kind : {"limits", "requests"}) {
+    container["resources"][kind][kGpu] = std::to_string(gpus);
+  }
 }
 
 std::string template_hash(const Json& pods) {

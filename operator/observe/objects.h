@@ -24,7 +24,7 @@ bool has_finalizer(const Json& metadata);
 struct FleetObject {
   std::string name, uid, version;
   Fleet fleet;
-  Template pods;  ///< from with_slots()
+  Template pods;  ///< from worker_template()
   bool operator==(const FleetObject&) const = default;
 };
 struct WorkerObject {
@@ -69,9 +69,11 @@ std::optional<WorkerObject> read_worker(const Json& object, Templates& templates
 std::optional<PodObject> read_pod(const Json& object, const std::string& home);
 std::optional<NodeObject> read_node(const Json& object);
 
-/// Returns the pod template with the number of slots. A worker is created with it, and its pod is
-/// built only from it.
-Json with_slots(Json pods, int slots);
+/// Returns the pod template with the number of slots and, if there are several, of GPUs. A worker
+/// is created with it, and its pod is built only from it.
+Json worker_template(Json pods, const FleetSpec& spec);
+/// Sets the number of GPUs that a container requests.
+void set_gpus(Json& container, int gpus);
 /// Returns the hash of such a template. Workers with another hash are outdated.
 std::string template_hash(const Json& pods);
 /// Returns the container that renders: "renderd", or else the first one, which is created if there

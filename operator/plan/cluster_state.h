@@ -41,6 +41,7 @@ struct Toleration {
 
 struct FleetSpec {
   int sessions_per_worker = 16;  ///< slots
+  int gpus_per_worker = 1;       ///< all on one node
   Strategy strategy = Strategy::kLeastLoaded;
   int min_idle_slots = 0;            ///< spare slots
   double max_refill_per_second = 0;  ///< workers to create; 0: no limit
@@ -117,12 +118,13 @@ struct WorkerStatus {
   bool operator==(const WorkerStatus&) const = default;
 };
 
-/// RenderWorker: the reservation of one GPU of `node` until the resource is deleted.
+/// RenderWorker: the reservation of GPUs of `node` until the resource is deleted.
 struct Worker {
   std::string name, uid, version;
   std::int64_t generation = 1;
   std::string fleet, fleet_uid;
   std::string node;  ///< immutable
+  int gpus = 1;      ///< immutable; those of its pod template
   std::string template_hash;
   std::optional<Drain> drain;
   Seconds created = 0;
@@ -144,6 +146,7 @@ struct Pod {
   bool labelled = true;  ///< labels are unchanged
   Phase phase = Phase::kPending;
   std::string node;  ///< node that the pod is bound to; empty before
+  int gpus = 1;      ///< GPUs that it uses on `node` if a RenderWorker owns it
   bool ready = false;
   Seconds created = 0;
   std::optional<Seconds> unschedulable;  ///< since when the scheduler reports this

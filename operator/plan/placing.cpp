@@ -9,8 +9,9 @@
 namespace diaphane::fleet {
 namespace {
 
-constexpr std::array kReasons{"not ready",         "cordoned",          "not selected", "tainted",
-                              "without telemetry", "rejected recently", "full"};
+constexpr std::array kReasons{
+    "not ready",         "cordoned",          "not selected",      "tainted",
+    "without telemetry", "rejected recently", "with too few GPUs", "full"};
 
 bool tolerated(const Taint& taint, const std::vector<Toleration>& tolerations) {
   if (taint.effect != "NoSchedule" && taint.effect != "NoExecute") return true;
@@ -69,7 +70,8 @@ std::optional<Unfit> unfit(const NodeView& view, const FleetSpec& spec,
     if (!tolerated(taint, spec.tolerations)) return Unfit::kTaint;
   }
   if (out_of_service(node)) return Unfit::kTaint;
-  if (view.free() <= 0) return Unfit::kFull;
+  if (node.gpus < spec.gpus_per_worker) return Unfit::kTooSmall;
+  if (view.room(spec.gpus_per_worker) <= 0) return Unfit::kFull;
   if (view.silent) return Unfit::kSilent;
   for (const NodeBackoff& refusal : refusals) {
     if (refusal.node == node.name && now < refusal.since + backoff_of(refusal)) {
@@ -81,7 +83,7 @@ std::optional<Unfit> unfit(const NodeView& view, const FleetSpec& spec,
 
 Placing::Placing(const Fleet& fleet, const std::vector<NodeBackoff>& refusals,
                  std::vector<NodeView>& nodes, Seconds now)
-    : nodes_(nodes), unfit_(kReasons.size()) {
+    : nodes_(nodes), gpus_(fleet.spec.gpus_per_worker), unfit_(kReasons.size()) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto reason = unfit(nodes[i], fleet.spec, refusals, now);
     if (reason) {
@@ -89,7 +91,7 @@ Placing::Placing(const Fleet& fleet, const std::vector<NodeBackoff>& refusals,
       continue;
     }
     fit_.push_back(i);
-    candidates_.push_back({nodes[i].load, nodes[i].free()});
+    candidates_.push_back({nodes[i].load, nodes[i].room(gpus_)});
   }
   if (unfit_[static_cast<std::size_t>(Unfit::kRefused)] == 0) return;
   for (const NodeBackoff& refusal : refusals) {
@@ -103,9 +105,9 @@ const std::string* Placing::next(Strategy strategy, Random& random) {
   if (!chosen) return nullptr;
   Candidate& candidate = candidates_[*chosen];
   NodeView& node = nodes_[fit_[*chosen]];
-  ++node.reserved;
-  node.load += 1.0 / node.node->gpus;
-  candidate = {node.load, node.free()};
+  node.reserved += gpus_;
+  node.load += static_cast<double>(gpus_) / node.node->gpus;
+  candidate = {node.load, node.room(gpus_)};
   if (candidate.free <= 0) ++unfit_[static_cast<std::size_t>(Unfit::kFull)];
   return &node.node->name;
 }

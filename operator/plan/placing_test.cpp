@@ -157,7 +157,9 @@ TEST(Placing, SkipsUnsuitableNodesAndReportsWhy) {
          w.nodes[0].taints.push_back({"gpu", "yes", "NoSchedule"});
        }},
       {"0 of 1 nodes have room: 1 full", [](ClusterState& w) { w.nodes[0].foreign_gpus = 2; }},
-      {"0 of 1 nodes have room: 1 full", [](ClusterState& w) { w.nodes[0].gpus = 0; }},
+      {"0 of 1 nodes have room: 1 with too few GPUs", [](ClusterState& w) { w.nodes[0].gpus = 0; }},
+      {"0 of 1 nodes have room: 1 with too few GPUs",
+       [](ClusterState& w) { w.fleets[0].spec.gpus_per_worker = w.nodes[0].gpus + 1; }},
       {"0 of 1 nodes have room: 1 rejected recently",
        [](ClusterState& w) {
          w.fleets[0].status.refusals.push_back({"a", 1, w.now - 1});
@@ -197,6 +199,28 @@ TEST(Placing, RetriesFailedNodeAfterItsBackoff) {
   EXPECT_NEAR(plan(world, 1).requeue_after.value(), 1, 1e-6);  // 5 s, 10 s, 20 s
   world.now += 1.01;
   EXPECT_EQ(node_of(world), "a");
+}
+
+TEST(Placing, AWorkerTakesAllOfItsGpusOnOneNode) {
+  ClusterState world = wanting_one(3);
+  world.nodes[0].gpus = 5;
+  world.nodes[1].gpus = 3;
+  world.nodes[2].gpus = 4;
+  world.fleets[0].spec.gpus_per_worker = 4;
+  world.fleets[0].spec.replicas = 3;
+  std::set<std::string> nodes;
+  for (const CreateWorker& made : all<CreateWorker>(plan(world, 1))) nodes.insert(made.node);
+  EXPECT_EQ(nodes, (std::set<std::string>{world.nodes[0].name, world.nodes[2].name}))
+      << "5 and 4 GPUs have room for one worker each, 3 for none";
+}
+
+TEST(Placing, AWorkerWithSeveralGpusWeighsAsManyTimes) {
+  ClusterState world = wanting_one(2);
+  for (Node& node : world.nodes) node.gpus = 8;
+  occupy(world, "a", 0.5, 0, 0, 0);
+  occupy(world, "b", 0.5, 0, 0, 0);
+  world.workers[0].gpus = 4;
+  EXPECT_EQ(drawn(world), (std::map<std::string, int>{{"b", 200}}));
 }
 
 TEST(Placing, OrphanedPodHoldsItsGpu) {

@@ -30,6 +30,7 @@ struct CreateWorker {
 struct CreatePod {
   std::string worker, worker_uid, node, template_hash;
   std::int64_t epoch = 0;
+  int gpus = 1;
   bool operator==(const CreatePod&) const = default;
 };
 

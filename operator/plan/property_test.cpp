@@ -20,10 +20,13 @@ class Worlds : public testing::TestWithParam<int> {};
 /// What one plan reserves must fit beside what its world contains.
 void expect_room(const ClusterState& world, const Plan& plan) {
   std::map<std::string, int> taken;
-  for (const Worker& worker : world.workers) ++taken[worker.node];
+  for (const Worker& worker : world.workers) taken[worker.node] += worker.gpus;
   std::set<std::string> names;
   for (const CreateWorker& made : all<CreateWorker>(plan)) {
-    ++taken[made.node];
+    const auto fleet = std::find_if(world.fleets.begin(), world.fleets.end(),
+                                    [&](const Fleet& f) { return f.uid == made.fleet_uid; });
+    ASSERT_NE(fleet, world.fleets.end());
+    taken[made.node] += fleet->spec.gpus_per_worker;
     EXPECT_TRUE(names.insert(made.name).second) << made.name << " twice in one plan";
     const auto node = std::find_if(world.nodes.begin(), world.nodes.end(),
                                    [&](const Node& n) { return n.name == made.node; });
@@ -56,6 +59,7 @@ class Chaos {
       if (cluster_.chance(0.3)) fleet.spec.replicas = cluster_.up_to(5);
       if (cluster_.chance(0.3)) fleet.spec.strategy = Strategy::kPacked;
       if (cluster_.chance(0.3)) fleet.spec.node_selector["gpu"] = "yes";
+      if (cluster_.chance(0.3)) fleet.spec.gpus_per_worker = 2 + cluster_.up_to(1);
       fleets_.push_back(fleet.name);
     }
   }
@@ -194,11 +198,23 @@ std::string said(const std::vector<std::string>& violations) {
   return words;
 }
 
+/// Returns for how many more workers of the fleet there are GPUs.
+int room_for(const Fleet& fleet, const ClusterState& world) {
+  int room = 0;
+  for (const Node& node : world.nodes) {
+    int free = node.gpus - node.foreign_gpus;
+    for (const Worker& worker : world.workers) free -= worker.node == node.name ? worker.gpus : 0;
+    room += std::max(free, 0) / fleet.spec.gpus_per_worker;
+  }
+  return room;
+}
+
 /// All workers are ready and current, and there are as many as desired or as fit.
-void expect_settled(const ClusterState& world, int room) {
+void expect_settled(const ClusterState& world) {
   const Plan next = plan(world, 1);
   EXPECT_EQ(deeds(next), 0u) << "action " << next.actions.front().index();
   for (const Fleet& fleet : world.fleets) {
+    const int room = room_for(fleet, world);
     int ready = 0, outdated = 0;
     bool idle = false;
     for (const Worker& worker : world.workers) {
@@ -238,23 +254,13 @@ void expect_settled(const ClusterState& world, int room) {
   }
 }
 
-int room_of(const ClusterState& world) {
-  int room = 0;
-  for (const Node& node : world.nodes) {
-    int free = node.gpus - node.foreign_gpus;
-    for (const Worker& worker : world.workers) free -= worker.node == node.name;
-    room += std::max(free, 0);
-  }
-  return room;
-}
-
 TEST_P(Worlds, NeverOvercommitNorMoveReservationsAndConverge) {
   Chaos chaos(GetParam());
   chaos.run(150, true);
   chaos.mend();
   chaos.run(900, false);
   const ClusterState world = chaos.cluster().observed();
-  expect_settled(world, room_of(world));
+  expect_settled(world);
   EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
 }
 
@@ -318,14 +324,14 @@ TEST_P(Worlds, OperatorPausedBeyondItsLeaseKeepsReservations) {
     if (i % 2 == 1) chaos.trouble();
     for (const Action& action : paused.actions) chaos.cluster().apply(action);
     for (const Node& node : chaos.cluster().world().nodes) {
-      EXPECT_LE(chaos.cluster().pods_on(node.name) + node.foreign_gpus,
+      EXPECT_LE(chaos.cluster().gpus_on(node.name) + node.foreign_gpus,
                 std::max(node.gpus, node.foreign_gpus));
     }
   }
   chaos.mend();
   chaos.run(900, false);
   const ClusterState world = chaos.cluster().observed();
-  expect_settled(world, room_of(world));
+  expect_settled(world);
   EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
 }
 

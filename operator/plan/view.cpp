@@ -66,9 +66,9 @@ void weigh(NodeView& node, const std::vector<const WorkerView*>& workers,
   for (const WorkerView* view : workers) {
     const std::optional<double> sample =
         view->telemetry ? load_of(*view->telemetry, world.now) : std::nullopt;
-    // A worker without a sample counts as a whole GPU, and so does a reservation newer than the
-    // last sample.
-    load += sample.value_or(1);
+    // A worker without a sample counts as busy, and so does a reservation newer than the last
+    // sample. A sample describes the GPUs of its worker together.
+    load += view->worker->gpus * sample.value_or(1);
     if (view->telemetry) newest = std::max(newest, view->telemetry->sampled);
     expected |= view->pod && view->pod->phase == Phase::kRunning && !view->pod->terminating &&
                 world.now - view->pod->created > kStarting;
@@ -158,7 +158,7 @@ void ViewBuilder::add_pods() {
     view_.names.insert(pod.name);
     const auto owner = pod.owned ? workers_by_uid_.find(pod.owner_uid) : workers_by_uid_.end();
     // A pod with another name is not the worker's pod, whatever its owner reference says, but its
-    // GPU is in use.
+    // GPUs are in use.
     if (owner != workers_by_uid_.end() && view_.workers[owner->second].worker->name == pod.name) {
       view_.workers[owner->second].pod = &pod;
       continue;
@@ -167,7 +167,7 @@ void ViewBuilder::add_pods() {
       view_.workers[found->second].name_conflict = &pod;
     }
     if (!pod.owned || pod.finished()) continue;
-    if (NodeView* node = node_of(pod.node)) ++node->reserved;
+    if (NodeView* node = node_of(pod.node)) node->reserved += pod.gpus;
   }
 }
 
@@ -192,7 +192,7 @@ std::vector<std::vector<const WorkerView*>> ViewBuilder::link_workers() {
   for (WorkerView& worker : view_.workers) {
     if (NodeView* node = node_of(worker.worker->node)) {
       worker.node = node->node;
-      ++node->reserved;
+      node->reserved += worker.worker->gpus;
       on[static_cast<std::size_t>(node - view_.nodes.data())].push_back(&worker);
     }
     if (FleetView* fleet = fleet_of(*worker.worker)) {

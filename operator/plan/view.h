@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
@@ -40,7 +41,10 @@ struct NodeView {
   double load = 0;      ///< relative to its GPUs, 1: all full (more if pictures are noisy)
   bool silent = false;  ///< expected telemetry is older than kExcluded
 
-  int free() const { return node->gpus - node->foreign_gpus - reserved; }
+  /// Returns for how many more workers with this number of GPUs each there is room.
+  int room(int gpus_per_worker) const {
+    return std::max(node->gpus - node->foreign_gpus - reserved, 0) / std::max(gpus_per_worker, 1);
+  }
 };
 
 struct FleetView {

@@ -131,7 +131,7 @@ void make_pod(const WorkerView& view, PlanBuilder& builder) {
     }
   }
   builder.add(CreatePod{worker.name, worker.uid, worker.node, worker.template_hash,
-                        worker.status.epoch + 1});
+                        worker.status.epoch + 1, worker.gpus});
 }
 
 }  // namespace

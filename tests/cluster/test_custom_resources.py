@@ -34,6 +34,7 @@ def patch(plane, namespace, kind, name, spec, check=False):
 REFUSED = [
     ({"sessionsPerWorker": 0}, "should be greater than or equal to 1"),
     ({"sessionsPerWorker": 5000}, "should be less than or equal to 4096"),
+    ({"gpusPerWorker": 0}, "should be greater than or equal to 1"),
     ({"strategy": "Random"}, 'supported values: "LeastLoaded", "Packed"'),
     ({"minReplicas": -1}, "should be greater than or equal to 0"),
     ({"minReplicas": 3, "maxReplicas": 2}, "minReplicas must not be larger than maxReplicas"),
@@ -77,7 +78,7 @@ def test_a_name_too_long_for_its_pods_is_refused(plane, namespace):
 def test_omitted_fields_get_defaults(plane, namespace):
     made = create(plane, namespace, fleet()).json["spec"]
     made.pop("template")
-    assert made == {"sessionsPerWorker": 16, "strategy": "LeastLoaded", "minReplicas": 0, "drainTimeout": "5m",
+    assert made == {"sessionsPerWorker": 16, "gpusPerWorker": 1, "strategy": "LeastLoaded", "minReplicas": 0, "drainTimeout": "5m",
                     "warm": {"minIdleSlots": 0, "maxRefillPerSecond": 0}}
 
 
@@ -130,7 +131,7 @@ def test_kubectl_get_shows_the_main_columns(plane, namespace):
 
 
 FOR_GOOD = [
-    ({"nodeName": "node-1"}, "nodeName cannot change, because it reserves a GPU"),
+    ({"nodeName": "node-1"}, "nodeName cannot change, because it reserves GPUs"),
     ({"fleetName": "x"}, "a worker cannot move to another fleet"),
     ({"fleetUid": "x"}, "a worker cannot move to another fleet"),
     ({"fleetUid": None}, "fleetUid and template cannot change; delete the worker, and the operator creates a new one"),

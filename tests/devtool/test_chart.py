@@ -85,7 +85,7 @@ def test_the_charts_fleet_matches_the_resource():
     text = (CHART / "templates" / "fleet.yaml").read_text(encoding="utf-8").partition("\nspec:\n")[2]
     assert set(re.findall(r"^  ([a-zA-Z]+):", text, re.MULTILINE)) == set(spec)
     values = yaml.safe_load((CHART / "values.yaml").read_text(encoding="utf-8"))["fleet"]
-    for name in ("sessionsPerWorker", "strategy", "minReplicas", "drainTimeout"):
+    for name in ("sessionsPerWorker", "gpusPerWorker", "strategy", "minReplicas", "drainTimeout"):
         jsonschema.validate(values[name], {key: value for key, value in spec[name].items() if not key.startswith("x-")})
 
 

@@ -72,6 +72,7 @@ bool SimulatedCluster::carry_out(const CreateWorker& action) {
   made.fleet_uid = action.fleet_uid;
   made.node = action.node;
   made.template_hash = action.template_hash;
+  if (const Fleet* of = fleet(action.fleet, action.fleet_uid)) made.gpus = of->spec.gpus_per_worker;
   made.created = world_.now;
   world_.workers.push_back(made);
   return true;
@@ -89,6 +90,7 @@ bool SimulatedCluster::carry_out(const CreatePod& action) {
   made.owned = true;
   made.owner_uid = action.worker_uid;
   made.epoch = action.epoch;
+  made.gpus = action.gpus;
   made.created = world_.now;
   world_.pods.push_back(made);
   return true;
@@ -268,10 +270,12 @@ int SimulatedCluster::waiting(const std::string& name) const {
   return found == people_.end() ? 0 : std::max(0, found->second - sessions_of(name));
 }
 
-int SimulatedCluster::pods_on(const std::string& name) const {
-  return static_cast<int>(std::count_if(world_.pods.begin(), world_.pods.end(), [&](const Pod& p) {
-    return p.node == name && !p.finished() && p.owned;
-  }));
+int SimulatedCluster::gpus_on(const std::string& name) const {
+  int gpus = 0;
+  for (const Pod& pod : world_.pods) {
+    if (pod.node == name && !pod.finished() && pod.owned) gpus += pod.gpus;
+  }
+  return gpus;
 }
 
 void SimulatedCluster::collect_garbage() {
@@ -300,7 +304,7 @@ void SimulatedCluster::schedule() {
     const Worker* owner = worker_of(one.owner_uid);
     const Node* at = owner ? node(owner->node) : nullptr;
     const bool fits = at && at->ready && !at->cordoned && !refuses_[at->name] &&
-                      pods_on(at->name) + at->foreign_gpus < at->gpus;
+                      gpus_on(at->name) + one.gpus + at->foreign_gpus <= at->gpus;
     if (fits) {
       one.node = at->name;
       one.unschedulable.reset();

@@ -45,7 +45,7 @@ class SimulatedCluster {
   int sessions_on(const std::string& worker_uid) const;
   int sessions_of(const std::string& fleet) const;
   int waiting(const std::string& fleet) const;  ///< number of users without a session
-  int pods_on(const std::string& node) const;   ///< number of bound pods
+  int gpus_on(const std::string& node) const;   ///< number of GPUs of bound pods
   /// Violated invariants, in words.
   const std::vector<std::string>& violations() const { return violations_; }
 
