@@ -59,7 +59,7 @@ def stored(token: str) -> str:
 
 #: What ingest and `head` write about a scan.
 COLUMNS = ("modality", "size_x", "size_y", "size_z", "spacing_x", "spacing_y", "spacing_z", "repairs", "volume_bytes", "head")
-LOOKS = ("skin", "muscle", "vessels", "bone", "through", "dense", "airways")
+LOOKS = ("skin", "muscle", "vessels", "bone", "through", "dense", "airways", "brain")
 
 
 @dataclass

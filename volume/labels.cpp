@@ -9,7 +9,8 @@ namespace diaphane::volume {
 namespace {
 
 constexpr std::string_view kMagic{"DIALABEL\x01", 9};  // the last byte is the version
-constexpr auto kLastOfIngest = static_cast<std::uint8_t>(Label::kMetal);
+constexpr std::array<std::uint8_t, 3> kBrainColour{222, 178, 160};
+constexpr auto kLastOfIngest = static_cast<std::uint8_t>(Label::kBrain);
 
 void append_number(std::string& bytes, std::uint64_t number) {
   while (number >= 0x80) {
@@ -82,6 +83,17 @@ Result<std::string_view> checked_runs(std::string_view bytes, std::array<std::ui
   return bytes;
 }
 
+bool shows(const Volume& volume, Label wanted) {
+  const auto runs = checked_runs(volume.labels, volume.header.size);
+  bool found = false;
+  if (runs) {
+    for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
+      found = found || (count > 0 && label == static_cast<std::uint8_t>(wanted));
+    });
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string encode(const Labels& labels) {
@@ -119,15 +131,26 @@ std::uint64_t most_label_bytes(const Header& header) {
   return kMagic.size() + 3 * kBytesOfNumber + 2 * header.voxel_count();
 }
 
-bool has_support(const Volume& volume) {
-  const auto runs = checked_runs(volume.labels, volume.header.size);
-  bool found = false;
-  if (runs) {
-    for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
-      found = found || (count > 0 && label == static_cast<std::uint8_t>(Label::kSupport));
-    });
+bool has_support(const Volume& volume) { return shows(volume, Label::kSupport); }
+bool has_brain(const Volume& volume) { return shows(volume, Label::kBrain); }
+
+void list_found_labels(Volume& volume) {
+  LabelSet& set = volume.label_set;
+  if (set.table.size() >= kMostLabels || !has_brain(volume)) return;
+  if (set.empty()) {
+    set.labels = {volume.header.size, std::vector<std::uint8_t>(volume.voxels.size())};
   }
-  return found;
+  set.table.push_back({kBrainNumber, {}, kBrainColour});
+  const auto value = static_cast<std::uint8_t>(set.table.size());
+  auto at = set.labels.voxels.begin();
+  for_each_run(*checked_runs(volume.labels, volume.header.size),
+               [&](std::uint8_t label, std::size_t count) {
+                 const auto end = at + static_cast<std::ptrdiff_t>(count);
+                 if (label == static_cast<std::uint8_t>(Label::kBrain)) {
+                   std::replace(at, end, std::uint8_t{0}, value);
+                 }
+                 at = end;
+               });
 }
 
 Result<void> hide_surroundings(Volume& volume) {
@@ -138,9 +161,9 @@ Result<void> hide_surroundings(Volume& volume) {
   auto at = volume.voxels.begin();
   for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
     const auto end = at + static_cast<std::ptrdiff_t>(count);
-    const bool stays = label == static_cast<std::uint8_t>(Label::kBody) ||
-                       label == static_cast<std::uint8_t>(Label::kMetal);
-    if (!stays) std::fill(at, end, nothing);
+    const bool hides = label == static_cast<std::uint8_t>(Label::kOutside) ||
+                       label == static_cast<std::uint8_t>(Label::kSupport);
+    if (hides) std::fill(at, end, nothing);
     at = end;
   });
   volume.surroundings_hidden = true;

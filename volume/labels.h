@@ -17,6 +17,7 @@ enum class Label : std::uint8_t {
   kBody,     ///< the patient, with a margin of air that interpolation at the skin needs
   kSupport,  ///< table, headrest, frame or straps
   kMetal,    ///< metal inside the body
+  kBrain,    ///< the brain, with the fluid around it, in MR
 };
 
 /// Returns a header and run lengths. Each run is the byte of its label and its number of voxels as
@@ -27,7 +28,7 @@ std::string encode(const Labels& labels);
 /// have another version, contain a label above `most`, or belong to a volume of another size.
 /// Allocates no more than one byte per voxel of `size`, whatever the bytes say.
 Result<Labels> decode(std::string_view bytes, std::array<std::uint32_t, 3> size,
-                      std::uint8_t most = static_cast<std::uint8_t>(Label::kMetal));
+                      std::uint8_t most = static_cast<std::uint8_t>(Label::kBrain));
 
 /// Returns kInvalid if decode() would refuse the bytes as values of Label. Allocates nothing.
 Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> size);
@@ -35,10 +36,20 @@ Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> s
 /// Returns the largest possible size of encoded labels: a run of two bytes for each voxel.
 std::uint64_t most_label_bytes(const Header& header);
 
-/// Returns whether the volume has labels, and some voxels show support.
+/// Returns whether the volume has labels, and some voxels show support or the brain.
 bool has_support(const Volume& volume);
+bool has_brain(const Volume& volume);
 
-/// Sets all voxels that show neither body nor metal to the volume's minimum. Without labels it
+/// Number of the brain among the labels of a volume. Files of labels have smaller numbers.
+inline constexpr std::uint32_t kBrainNumber =
+    0xFFFFFF00U + static_cast<std::uint32_t>(Label::kBrain);
+
+/// Adds the brain that ingest has found to the label set, so that renderers can show it like a
+/// label that somebody has marked. Voxels with such a label keep it. Does nothing if there is no
+/// brain, or if the label set is full.
+void list_found_labels(Volume& volume);
+
+/// Sets all voxels that show nothing of the patient to the volume's minimum. Without labels it
 /// changes nothing. Returns kInvalid, and changes nothing, if the labels are damaged.
 Result<void> hide_surroundings(Volume& volume);
 

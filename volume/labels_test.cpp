@@ -75,7 +75,7 @@ TEST(Labels, AreRefusedIfANumberHasTooManyBytes) {
 }
 
 TEST(Labels, AreRefusedIfALabelIsUnknown) {
-  expect_invalid(with_runs(std::string("\x04\xd8\x04", 3)), "A label is unknown.");
+  expect_invalid(with_runs(std::string("\x05\xd8\x04", 3)), "A label is unknown.");
 }
 
 TEST(Labels, AreRefusedIfTheSizeDoesNotFitInMemory) {
@@ -85,16 +85,47 @@ TEST(Labels, AreRefusedIfTheSizeDoesNotFitInMemory) {
   EXPECT_FALSE(decode(encode(Labels{large, {}}), large));
 }
 
-TEST(Labels, HideEverythingThatShowsNeitherBodyNorMetal) {
+TEST(Labels, HideEverythingThatShowsNothingOfThePatient) {
   Volume volume;
   volume.header.size = {4, 1, 1};
   volume.header.minimum = -1000;
   volume.voxels = {5, 6, 7, 8};
+  EXPECT_FALSE(has_brain(volume));
   ASSERT_TRUE(hide_surroundings(volume)) << "without labels everything counts as body";
   EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{5, 6, 7, 8}));
   volume.labels = encode(Labels{{4, 1, 1}, {0, 1, 2, 3}});
   ASSERT_TRUE(hide_surroundings(volume));
   EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{-1000, 6, -1000, 8}));
+  volume.labels = encode(Labels{{4, 1, 1}, {4, 0, 2, 4}});
+  ASSERT_TRUE(hide_surroundings(volume));
+  EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{-1000, -1000, -1000, 8}));
+}
+
+TEST(Labels, ListTheBrainBesideMarkedStructures) {
+  Volume volume;
+  volume.header.size = {4, 1, 1};
+  volume.voxels = {5, 6, 7, 8};
+  volume.labels = encode(Labels{{4, 1, 1}, {1, 4, 4, 0}});
+  EXPECT_TRUE(has_brain(volume));
+  EXPECT_FALSE(has_support(volume));
+  list_found_labels(volume);
+  ASSERT_EQ(volume.label_set.table.size(), 1U);
+  EXPECT_EQ(volume.label_set.table[0].number, kBrainNumber);
+  EXPECT_EQ(volume.label_set.labels.voxels, (std::vector<std::uint8_t>{0, 1, 1, 0}));
+
+  volume.label_set = {{{9, "nucleus", {}}}, {{4, 1, 1}, {0, 0, 1, 1}}};
+  list_found_labels(volume);
+  ASSERT_EQ(volume.label_set.table.size(), 2U);
+  EXPECT_EQ(volume.label_set.labels.voxels, (std::vector<std::uint8_t>{0, 2, 1, 1}))
+      << "what somebody has marked stays";
+
+  volume.label_set = {std::vector<LabelEntry>(kMostLabels), {{4, 1, 1}, {0, 0, 1, 255}}};
+  list_found_labels(volume);
+  EXPECT_EQ(volume.label_set.table.size(), kMostLabels);
+  volume.label_set = {};
+  volume.labels = encode(Labels{{4, 1, 1}, {0, 1, 2, 3}});
+  list_found_labels(volume);
+  EXPECT_TRUE(volume.label_set.empty()) << "a scan without a brain needs no labels";
 }
 
 TEST(Labels, HideNothingIfDamaged) {

@@ -13,11 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 7> kPresets{"skin",    "muscle", "vessels", "bone",
-                                                   "through", "dense",  "airways"};
+constexpr std::array<std::string_view, 8> kPresets{"skin",    "muscle", "vessels", "bone",
+                                                   "through", "dense",  "airways", "brain"};
 /// The end of each file name. Increase the number with every change of the looks in
 /// renderd/scene/presets.cpp, so that no thumbnail shows a look that the scan no longer has.
-constexpr std::string_view kSuffix = ".6.jpg";
+constexpr std::string_view kSuffix = ".7.jpg";
 /// Maximum number of requests that wait for a thumbnail of another request. Each holds a thread of
 /// the API, like each rendering does.
 constexpr int kMostWaiting = 2;

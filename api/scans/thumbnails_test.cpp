@@ -57,7 +57,8 @@ TEST_F(ThumbnailsTest, APictureOfAScanThatIsNotPublicIsInTheAuditLog) {
 }
 
 TEST_F(ThumbnailsTest, AThumbnailIsRenderedOnceForEachPreset) {
-  const auto presets = {"skin", "muscle", "vessels", "bone", "through", "dense", "airways"};
+  const auto presets = {"skin",    "muscle", "vessels", "bone",
+                        "through", "dense",  "airways", "brain"};
   for (const char* preset : presets) {
     EXPECT_EQ(thumbnails.get(owner, id, preset).value(), path_of(preset));
     EXPECT_EQ(thumbnails.get(shared, id, preset).value(), path_of(preset));

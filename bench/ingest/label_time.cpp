@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/config.h"
+#include "ingest/body/brain.h"
 #include "ingest/body/label_body.h"
 #include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
@@ -23,11 +24,12 @@ constexpr int kExitNoOutput = 73;  // EX_CANTCREAT
 
 constexpr const char* kUsage =
     "diaphane-labels [--phantoms] [--large] [--write FOLDER] SCAN...\n\n"
-    "Labels the body, its support (table, headrest, frame) and metal in each scan: an image file\n"
+    "Labels the body, its support (table, headrest, frame), metal and brain in each scan: an image "
+    "file\n"
     "(.nii, .nii.gz, .nrrd, .mha, .mhd) or a folder with a DICOM series. Prints one line of JSON\n"
     "per scan: {\"name\", \"size\", \"spacing\", \"axes\", \"shares\": [outside, body, support,\n"
-    "metal], \"build_s\", \"label_s\", \"kept\", \"hidden\"}. The last two are for phantoms "
-    "only.\n\n"
+    "metal, brain], \"build_s\", \"label_s\", \"brain_s\", \"kept\", \"hidden\"}. The last "
+    "two are for phantoms only.\n\n"
     "  --phantoms       also label all phantoms\n"
     "  --large          also label the large phantoms, which serve to measure times\n"
     "  --write FOLDER   write values (NAME.i16) and encoded labels (NAME.labels), one byte per\n"
@@ -69,7 +71,10 @@ Labelled label(const std::string& name, const volume::Volume& volume) {
                  {"spacing", volume.header.spacing},
                  {"axes", axes_of(volume.header.direction)},
                  {"label_s", processor_time() - began}};
-  std::array<double, 4> shares{};
+  const double labelled = processor_time();
+  ingest::mark_brain(volume, result.labels);
+  result.line["brain_s"] = processor_time() - labelled;
+  std::array<double, 5> shares{};
   for (const std::uint8_t one : result.labels.voxels) ++shares[one];
   for (double& share : shares) share /= static_cast<double>(volume.voxels.size());
   result.line["shares"] = shares;

@@ -19,6 +19,7 @@
 #include "renderd/scene/contrast_agent.h"
 #include "renderd/scene/presets.h"
 #include "scene/environment_import.h"
+#include "volume/labels.h"
 #include "volume/slice_interpolation.h"
 
 namespace diaphane::render::cli {
@@ -75,7 +76,7 @@ Result<std::optional<diaphane::v1::Scene>> scene_from_file(const Options& option
 }
 
 Result<diaphane::v1::Scene> scene_of_preset(const std::string& name, const volume::Volume& volume) {
-  auto preset = preset_for(volume.header, visible_part(volume), name);
+  auto preset = preset_for(volume.header, visible_part(volume), name, brain_of(volume));
   // An unknown preset is not a missing file.
   if (!preset) return fail(ErrorCode::kInvalid, preset.error().message, "--preset");
   return preset->scene();
@@ -106,7 +107,8 @@ Result<void> list_presets(const Options& options) {
   DIAPHANE_TRY(input);
   if (!options.show_table) DIAPHANE_TRY(show_only_body(*input));
   const bool contrast_agent = shows_contrast_agent(*input);
-  for (const auto& preset : presets_for(input->header, visible_part(*input), contrast_agent)) {
+  for (const auto& preset :
+       presets_for(input->header, visible_part(*input), contrast_agent, brain_of(*input))) {
     std::cout << preset.name() << '\n';
   }
   return {};
@@ -216,6 +218,7 @@ Result<Rendered> render(const Options& options) {
   if (const auto marked = add_marked(options, *input, *scene); !marked) {
     return tl::make_unexpected(marked.error());
   }
+  volume::list_found_labels(*input);
   if (!options.stored_slices) {
     volume::refine_slices(
         *input, volume::refinement_of(input->header),

@@ -157,8 +157,10 @@ void add_input(::CLI::App& app, Options& options, Texts& texts) {
   app.add_option("INPUT", options.input, "the scan")->required();
   auto* scene =
       app.add_option("--scene", options.scene_file, "scene file (JSON)")->type_name("FILE");
-  app.add_option("--preset", options.preset,
-                 "preset: skin, muscle, vessels, bone or airways, and for a CT through or dense")
+  app.add_option(
+         "--preset", options.preset,
+         "preset: skin, muscle, vessels, bone or airways, for a CT through or dense, and for an MR "
+         "scan of a head brain or through")
       ->type_name("NAME")
       ->excludes(scene);
   app.add_flag("--list-presets", options.list_presets,

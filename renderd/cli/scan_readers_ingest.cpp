@@ -1,5 +1,6 @@
 // Uses the readers of ingestd, so that both programs accept the same scans and show the same
 // volumes.
+#include "ingest/body/brain.h"
 #include "ingest/body/label_body.h"
 #include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
@@ -26,7 +27,9 @@ Result<volume::LabelSet> read_label_file(const std::string& path, const volume::
 }
 
 void add_labels(volume::Volume& volume) {
-  volume.labels = volume::encode(ingest::label_body(volume));
+  volume::Labels found = ingest::label_body(volume);
+  ingest::mark_brain(volume, found);
+  volume.labels = volume::encode(found);
 }
 
 }  // namespace diaphane::render::cli

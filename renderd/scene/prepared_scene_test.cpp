@@ -9,6 +9,7 @@
 #include "renderd/kernel/exact.h"
 #include "renderd/scene/presets.h"
 #include "tests/support/renderd/test_scenes.h"
+#include "volume/labels.h"
 
 namespace diaphane::render {
 namespace {
@@ -187,6 +188,41 @@ TEST(Presets, AreValidAndShowTheWholeBoxForEveryVolume) {
     }
   }
   EXPECT_FALSE(preset_for(ct.header, whole_box(ct.header), "spectacles"));
+}
+
+TEST(Presets, ShowTheBrainWhereItIsKnown) {
+  volume::Volume mr = test::skull_volume();
+  mr.header.modality = volume::Modality::kMr;
+  volume::Labels labels{mr.header.size, std::vector<std::uint8_t>(mr.voxels.size(), 1)};
+  const Framing framing = whole_box(mr.header);
+  mr.labels = volume::encode(labels);
+  EXPECT_FALSE(brain_of(mr));
+  EXPECT_EQ(presets_for(mr.header, framing, false).front().name(), "skin");
+  const auto instead = preset_for(mr.header, framing, "brain");
+  ASSERT_TRUE(instead) << "cards of MR scans ask for it";
+  EXPECT_EQ(instead->name(), "skin");
+
+  // Two voxels at the end of the volume.
+  labels.voxels[labels.voxels.size() - 1] = labels.voxels[labels.voxels.size() - 2] = 4;
+  mr.voxels[mr.voxels.size() - 1] = mr.voxels[mr.voxels.size() - 2] = 700;
+  mr.labels = volume::encode(labels);
+  const auto brain = brain_of(mr);
+  ASSERT_TRUE(brain);
+  EXPECT_EQ(brain->value, 700);
+  EXPECT_DOUBLE_EQ(brain->framing.half_width[0], mr.header.spacing[0]);
+  const auto presets = presets_for(mr.header, framing, false, brain);
+  EXPECT_EQ(presets[0].name(), "brain");
+  EXPECT_EQ(presets[1].name(), "through");
+  for (const auto& preset : presets) {
+    EXPECT_TRUE(check_scene(preset.scene())) << preset.name();
+    const bool uses_labels = preset.name() == "brain" || preset.name() == "through";
+    EXPECT_EQ(preset.scene().labels_size(), uses_labels ? 1 : 0);
+  }
+  EXPECT_EQ(presets[0].scene().labels(0).opacity(), 0) << "the rest is hidden";
+  EXPECT_GT(presets[1].scene().labels(0).opacity(), 0);
+  EXPECT_NE(presets[0].scene().transfer_function().SerializeAsString(),
+            presets[1].scene().transfer_function().SerializeAsString())
+      << "the page tells looks apart by them";
 }
 
 TEST(Presets, AirwaysPresetShowsTranslucentAirWalls) {

@@ -63,7 +63,8 @@ struct Look {
   std::initializer_list<LookMaterial> materials;
 };
 
-constexpr std::string_view kVessels = "vessels", kDense = "dense", kAirways = "airways";
+constexpr std::string_view kVessels = "vessels", kDense = "dense", kAirways = "airways",
+                           kBrain = "brain", kThrough = "through", kSkinLook = "skin";
 
 /// The gradient of the opacity, per mm, at which two thirds of the collisions are with a surface:
 /// low, so that all borders of organs are surfaces.
@@ -81,6 +82,8 @@ constexpr Matter kEnamel{"enamel", {0.97, 0.94, 0.88}, 0.055, 0.75};
 constexpr Matter kLining{"airways", {0.55, 0.82, 0.93}, 0.060, 0.70};
 constexpr Matter kSurface{"surface", {0.83, 0.55, 0.43}, 0.030, 0.42};
 constexpr Matter kMiddle{"middle", {0.82, 0.50, 0.40}, 0.040, 0.55};
+constexpr Matter kGreyMatter{"grey matter", {0.86, 0.58, 0.50}, 0.050, 0.60};
+constexpr Matter kWhiteMatter{"white matter", {0.94, 0.82, 0.74}, 0.040, 0.50};
 constexpr Matter kBright{"bright", {0.94, 0.86, 0.74}, 0.040, 0.55};
 
 constexpr double kInAirways = -650, kHardBone = 1300;
@@ -119,7 +122,7 @@ const Look kCtLooks[] = {
       {kBone, {{450, 0}, {900, 1}}, true}}},
     // Skin like glass around the bone. Thin matter keeps its shape visible, since it is densest
     // where the line of sight touches it.
-    {"through",
+    {kThrough,
      2.5,
      2,
      0.2,
@@ -157,6 +160,15 @@ const Look kOtherLooks[] = {
     {kAirways, 1.4, 1, 0, {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
 };
 
+// The brain by its own values: 0 is the least of the scan, 1 the brain's median. The fluid around
+// it is dark, so the surface is where grey matter begins.
+const Curve kGreyCurve{{0.50, 0}, {0.72, 0.9}, {0.98, 0.9}, {1.12, 0}};
+const Curve kWhiteCurve{{0.98, 0}, {1.12, 1}};
+/// The page tells looks apart by their transfer functions, so those of these two must differ.
+constexpr double kBrainExtinction = 3.0, kBrainInGlassExtinction = 2.5;
+/// What is left of the matter around the brain when one looks through it.
+constexpr double kGlass = 0.010;
+
 /// Returns half the diagonal of the box around what is framed, mm.
 double radius_of(const Framing& framing) {
   const auto& half = framing.half_width;
@@ -191,9 +203,10 @@ bool has_bright_vessels(const volume::Header& header) {
   return most - least > kTimesTissue * (tissue - least);
 }
 
-void fill_channel(const volume::Header& header, const LookMaterial& material,
+/// Adds a material whose curve `value_at` converts to voxel values.
+template <typename ValueAt>
+void fill_channel(const volume::Header& header, const LookMaterial& material, ValueAt value_at,
                   v1::Channel& channel) {
-  const bool ct = header.modality == volume::Modality::kCt;
   const Matter& matter = material.matter;
   channel.set_name(matter.name);
   set(*channel.mutable_diffuse(), matter.albedo);
@@ -201,7 +214,7 @@ void fill_channel(const volume::Header& header, const LookMaterial& material,
   channel.set_gloss(matter.gloss);
   double last = 0, opacity = 0;
   for (const Point& point : material.curve) {
-    last = ct ? point.value : value_of(header, point.value);
+    last = value_at(point.value);
     opacity = point.opacity;
     auto& to = *channel.add_opacity();
     to.set_value(last);
@@ -265,13 +278,21 @@ double half_width(const volume::Header& header, const Framing& framing, Vector a
   return std::sqrt(squared);
 }
 
-/// Places the camera for a portrait: a long lens in front of the patient, turned to their left and
-/// slightly above. It is framed on an ellipsoid, since a body rarely fills the corners of a box.
-void place_camera(v1::Scene& scene, const volume::Header& header, const Framing& framing) {
-  constexpr double kFov = 20, kTurned = 25, kRaised = 10, kDegree = std::numbers::pi / 180;
-  const Vector towards{std::sin(kTurned * kDegree) * std::cos(kRaised * kDegree),
-                       -std::cos(kTurned * kDegree) * std::cos(kRaised * kDegree),
-                       std::sin(kRaised * kDegree)};
+/// Where the camera stands: turned from the face to the patient's left, and raised, in degrees.
+struct Pose {
+  double turned = 25, raised = 10;
+};
+/// A brain is known by its side, and its folds are seen best from above.
+constexpr Pose kBesideBrain{60, 24}, kBesideHead{40, 14};
+
+/// Places the camera for a portrait: a long lens in front of the patient. It is framed on an
+/// ellipsoid, since a body rarely fills the corners of a box.
+void place_camera(v1::Scene& scene, const volume::Header& header, const Framing& framing,
+                  Pose pose) {
+  constexpr double kFov = 20, kDegree = std::numbers::pi / 180;
+  const double turned = pose.turned * kDegree, raised = pose.raised * kDegree;
+  const Vector towards{std::sin(turned) * std::cos(raised), -std::cos(turned) * std::cos(raised),
+                       std::sin(raised)};
   const Vector right = unit(cross({0, 0, 1}, towards)), up = cross(towards, right);
   // Pictures are at least as wide as high, except on phones.
   const double half_height =
@@ -286,25 +307,53 @@ void place_camera(v1::Scene& scene, const volume::Header& header, const Framing&
   camera.set_vertical_fov_degrees(kFov);
 }
 
-v1::Scene scene_of(const volume::Header& header, const Framing& framing, const Look& look) {
-  v1::Scene scene;
-  scene.mutable_transfer_function()->set_extinction_per_mm(look.extinction_per_mm);
-  for (const LookMaterial& material : look.materials) {
-    fill_channel(header, material, *scene.mutable_transfer_function()->add_channels());
-  }
+/// Adds all of a scene that does not depend on the materials.
+void fill_scene(const volume::Header& header, const Framing& framing, int bounces, double exposure,
+                Pose pose, v1::Scene& scene) {
   add_lights(scene, radius_of(framing));
-  place_camera(scene, header, framing);
+  place_camera(scene, header, framing, pose);
   scene.mutable_phase()->set_g(0);
   scene.mutable_shading()->set_mode(v1::Shading::HYBRID);
   scene.mutable_shading()->set_gradient_scale(kGradientScale);
-  scene.set_bounces(look.bounces);
+  scene.set_bounces(bounces);
   v1::Display& display = *scene.mutable_display();
   display.set_curve(v1::Display::FILMIC);
-  display.set_exposure(look.exposure);
+  display.set_exposure(exposure);
   display.set_automatic_exposure(true);
   set(*display.mutable_background(), {0.034, 0.037, 0.043});
   set(*display.mutable_background_edge(), {0.006, 0.007, 0.009});
+}
+
+v1::Scene scene_of(const volume::Header& header, const Framing& framing, const Look& look) {
+  const bool ct = header.modality == volume::Modality::kCt;
+  const auto value_at = [&](double value) { return ct ? value : value_of(header, value); };
+  v1::Scene scene;
+  scene.mutable_transfer_function()->set_extinction_per_mm(look.extinction_per_mm);
+  for (const LookMaterial& material : look.materials) {
+    fill_channel(header, material, value_at, *scene.mutable_transfer_function()->add_channels());
+  }
+  fill_scene(header, framing, look.bounces, look.exposure, {}, scene);
   return scene;
+}
+
+/// Returns the brain alone, or within the rest of the head, which becomes like glass.
+v1::Preset brain_preset(const volume::Header& header, const Framing& framing,
+                        const BrainFacts& brain, bool alone) {
+  const double least = header.percentiles[0];
+  const auto value_at = [&](double level) { return least + level * (brain.value - least); };
+  v1::Preset preset;
+  preset.set_name(std::string(alone ? kBrain : kThrough));
+  v1::Scene& scene = *preset.mutable_scene();
+  v1::TransferFunction& transfer = *scene.mutable_transfer_function();
+  transfer.set_extinction_per_mm(alone ? kBrainExtinction : kBrainInGlassExtinction);
+  fill_channel(header, {kGreyMatter, kGreyCurve, false}, value_at, *transfer.add_channels());
+  fill_channel(header, {kWhiteMatter, kWhiteCurve, true}, value_at, *transfer.add_channels());
+  v1::LabelLook& rest = *scene.add_labels();
+  rest.set_number(0);
+  rest.set_opacity(alone ? 0 : kGlass);
+  fill_scene(header, alone ? brain.framing : framing, 3, 0.2, alone ? kBesideBrain : kBesideHead,
+             scene);
+  return preset;
 }
 
 v1::Preset preset_of(const volume::Header& header, const Framing& framing, const Look& look) {
@@ -331,17 +380,27 @@ std::span<const Look> looks_for(const volume::Header& header) {
 }  // namespace
 
 std::vector<v1::Preset> presets_for(const volume::Header& header, const Framing& framing,
-                                    bool contrast_agent) {
+                                    bool contrast_agent, const std::optional<BrainFacts>& brain) {
   std::vector<v1::Preset> presets;
+  if (brain) {
+    presets.push_back(brain_preset(header, framing, *brain, true));
+    presets.push_back(brain_preset(header, framing, *brain, false));
+  }
   for (const Look& look : looks_for(header)) {
     if (!can_show(header, look.name, contrast_agent)) continue;
+    if (brain && look.name == kAirways) continue;
     presets.push_back(preset_of(header, framing, look));
   }
   return presets;
 }
 
 Result<v1::Preset> preset_for(const volume::Header& header, const Framing& framing,
-                              std::string_view name) {
+                              std::string_view name, const std::optional<BrainFacts>& brain) {
+  if (brain && (name == kBrain || name == kThrough)) {
+    return brain_preset(header, framing, *brain, name == kBrain);
+  }
+  const bool ct = header.modality == volume::Modality::kCt;
+  if (name == kBrain || (name == kThrough && !ct)) name = kSkinLook;
   for (const Look& look : looks_for(header)) {
     if (look.name == name) return preset_of(header, framing, look);
   }

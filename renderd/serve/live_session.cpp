@@ -133,9 +133,9 @@ void LiveSession::start() {
 void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
   auto renderer = renderer_of(volume);
   if (!renderer) return failed(renderer.error());
-  std::vector<v1::Preset> presets =
-      presets_for((*volume)->header(), parts_.stats.framing_of(**volume),
-                  parts_.stats.of(**volume).contrast_agent);
+  const VolumeStats stats = parts_.stats.of(**volume);
+  std::vector<v1::Preset> presets = presets_for(
+      (*volume)->header(), parts_.stats.framing_of(**volume), stats.contrast_agent, stats.brain);
   if (presets.empty()) {
     return failed({ErrorCode::kUnsupported, "This type of scan can't be displayed.", {}});
   }

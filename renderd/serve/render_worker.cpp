@@ -46,13 +46,14 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
   const std::uint32_t refinement = volume::refinement_of(volume->header);
   std::optional<volume::Volume> copy;
   // The node keeps the voxels as they are in the store.
-  const bool changes = !key.with_table || refinement > 1;
+  const bool changes = !key.with_table || refinement > 1 || volume::has_brain(*volume);
   if (changes && source.copies && source.copies->misses(*volume)) copy = *volume;
   if (!key.with_table) {
     if (const auto hidden = volume::hide_surroundings(*volume); !hidden) {
       log::warning("labels_damaged", {{"volume", id}, {"reason", hidden.error().message}});
     }
   }
+  volume::list_found_labels(*volume);
   VolumeStats of_stored = stats_of(*volume);
   volume::refine_slices(*volume, refinement, std::thread::hardware_concurrency());
   auto loaded = engine.load(*volume);

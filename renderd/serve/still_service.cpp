@@ -96,8 +96,8 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
   if (order->request.has_scene()) {
     job.scene = std::make_shared<const v1::Scene>(order->request.scene());
   } else {
-    const auto preset =
-        preset_for((*volume)->header(), stats_.framing_of(**volume), order->request.preset());
+    const auto preset = preset_for((*volume)->header(), stats_.framing_of(**volume),
+                                   order->request.preset(), stats_.of(**volume).brain);
     if (!preset) return order->answer(tl::unexpected(preset.error()));
     job.scene = std::make_shared<const v1::Scene>(preset->scene());
   }

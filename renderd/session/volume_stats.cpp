@@ -32,9 +32,13 @@ diaphane::v1::Labels labels_of(const volume::Volume& volume) {
 }  // namespace
 
 VolumeStats stats_of(const volume::Volume& volume) {
-  return {histogram_of(volume),         coarse_of(volume),
-          volume::has_support(volume),  visible_part(volume),
-          shows_contrast_agent(volume), labels_of(volume)};
+  return {histogram_of(volume),
+          coarse_of(volume),
+          volume::has_support(volume),
+          visible_part(volume),
+          shows_contrast_agent(volume),
+          brain_of(volume),
+          labels_of(volume)};
 }
 
 void VolumeStatsCache::add(const std::shared_ptr<const DeviceVolume>& volume, VolumeStats stats) {

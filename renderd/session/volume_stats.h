@@ -7,6 +7,7 @@
 
 #include "api/proto/stream.pb.h"
 #include "renderd/engine/frame_renderer.h"
+#include "renderd/scene/brain.h"
 #include "renderd/scene/framing.h"
 #include "renderd/session/depth.h"
 
@@ -19,6 +20,7 @@ struct VolumeStats {
   bool has_support = false;        ///< volume::has_support()
   std::optional<Framing> framing;  ///< visible_part()
   bool contrast_agent = false;     ///< shows_contrast_agent()
+  std::optional<BrainFacts> brain;
   diaphane::v1::Labels labels{};
 };
 VolumeStats stats_of(const volume::Volume& volume);

@@ -122,7 +122,7 @@ def test_pictures_are_prepared_only_of_looks_that_a_scan_has(fake, visit):
     page.request.post(f"{fake.url}/v1/sign-in")
     listed = page.request.get(f"{fake.url}/v1/data-sets").json()["items"]
     scans = {scan["id"]: scan["volume"]["modality"] for scan in listed if scan["volume"]}
-    looks = {"CT": ["bone", "muscle", "skin", "through"], "MR": ["airways", "bone", "muscle", "skin"]}
+    looks = {"CT": ["bone", "muscle", "skin", "through"], "MR": ["bone", "brain", "muscle", "skin"]}
     wanted = [(scan, look) for scan, kind in scans.items() for look in looks[kind]]
     asked = set()
 

@@ -16,7 +16,7 @@ from types import SimpleNamespace
 import pytest
 
 from harness import REPO, StackFactory, wait_until
-from devtool import bench_client, datadir, ports
+from devtool import bench_client, datadir, ports, supervise
 from devtool.processes import Identity, wait_gone
 
 PROGRAMS = {"edge", "api", "gateway", "ingestd", "renderd", "postgres", "redis"}
@@ -59,10 +59,14 @@ def empty_home(all_stacks):
     made.run("down")
 
 
+OTHER_SAMPLES = [f"sample-{file.partition('.')[0]}.loaded" for _, file, _ in supervise.MORE_SAMPLES]
+
+
 def used(home: Home, all_stacks: StackFactory) -> Home:
-    """As after an earlier start, so that the database is there and the sample scan does not have to be loaded."""
+    """As after an earlier start, so that the database is there and the samples do not have to be loaded."""
     all_stacks.give_cluster(home.data)
-    (home.data / "sample.loaded").write_text("00000000-0000-4000-8000-000000000000\n", encoding="ascii")
+    for marker in ("sample.loaded", *OTHER_SAMPLES):
+        (home.data / marker).write_text("00000000-0000-4000-8000-000000000000\n", encoding="ascii")
     return home
 
 
@@ -117,6 +121,10 @@ def test_restarting_with_up_and_down_keeps_all_data(empty_home):
     assert status["engine"] == "cpu"
     secret = (empty_home.data / "secrets" / "postgres").read_text(encoding="ascii")
     sample = (empty_home.data / "sample.loaded").read_text(encoding="ascii")
+    wait_until(lambda: all((empty_home.data / marker).exists() for marker in OTHER_SAMPLES), what="the other samples")
+    with urllib.request.urlopen(f"{url}v1/gallery", timeout=30) as gallery:
+        titles = {item["title"]: item["volume"]["modality"] for item in json.load(gallery)["items"] if item["is_sample"]}
+    assert titles == {"Cranium": "CT", "Head": "MR", "Brain of a macaque": "MR"}
 
     assert empty_home.run("down").returncode == 0
     assert not answers(url)

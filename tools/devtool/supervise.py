@@ -66,6 +66,8 @@ def hold(options: UpOptions, on_ready=lambda: None) -> int:
         if not stop.is_set():
             say(f"Diaphane is at {stack.settings.url}/  (emails are saved in {stack.data / 'mail'})")
             on_ready()
+            if options.sample:
+                threading.Thread(target=load_more_samples, args=(stack, stop), daemon=True).start()
         stop.wait()
         step("Stopping")
     finally:
@@ -99,6 +101,30 @@ def load_sample(stack: Stack, again: bool = False) -> None:
         marker.write_text(done.stdout, encoding="ascii")   # id of its data set
     else:
         warn(f"cannot load the sample scan (exit {done.returncode}): {done.stderr.strip() or done.stdout.strip()}")
+
+
+#: Samples besides the cranium: the title, the file of Debian's mricron-data, and the modality.
+MORE_SAMPLES = (("Head", "ch2.nii.gz", "MR"), ("Brain of a macaque", "inia19-t1-brain.nii.gz", "MR"))
+_TEMPLATES = Path("/usr/share/mricron/templates")
+
+
+def load_more_samples(stack: Stack, stop: threading.Event) -> None:
+    """Loads the other samples while people already use the first one, each once per data directory."""
+    tool = stack.layout.bin / "diaphane-sample"
+    for title, file, modality in MORE_SAMPLES:
+        marker, source = stack.data / f"sample-{file.partition('.')[0]}.loaded", _TEMPLATES / file
+        if stop.is_set() or marker.exists() or not source.exists() or not tool.exists():
+            continue
+        command = [*sample_command(tool, stack.settings.url, stack.data), "--file", str(source), "--modality", modality, "--title", title]
+        loading = subprocess.Popen(command, cwd="/", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **stack.run_as.popen())
+        while loading.poll() is None and not stop.wait(0.2):
+            pass
+        loading.terminate()     # does nothing once it has ended
+        said = loading.communicate()[0]
+        if loading.returncode == 0:
+            marker.write_text(said, encoding="ascii")
+        elif not stop.is_set():
+            warn(f"cannot load the sample “{title}” (exit {loading.returncode}): {said.strip()}")
 
 
 def sample_command(tool: Path, url: str, data: Path) -> list[str]:

@@ -23,6 +23,7 @@ const colours: Record<string, [number, number, number]> = {
   vessels: [0.85, 0.25, 0.2],
   bone: [0.95, 0.92, 0.84],
   airways: [0.62, 0.86, 0.95],
+  brain: [0.86, 0.6, 0.52],
 };
 
 export const sceneNamed = (name: string): Scene => {

@@ -267,7 +267,7 @@ export interface ProblemBody {
   readonly errors?: readonly { readonly field: string; readonly message: string }[];
 }
 
-export const presetNames = ["skin", "muscle", "vessels", "bone", "through", "dense", "airways"] as const;
+export const presetNames = ["skin", "muscle", "vessels", "bone", "through", "dense", "airways", "brain"] as const;
 export type PresetName = (typeof presetNames)[number];
 
 export interface RecordingInfo {

@@ -1,4 +1,4 @@
-import { create } from "@bufbuild/protobuf";
+import { create, equals } from "@bufbuild/protobuf";
 import { LabelLookSchema, type LabelLook, type Rgb, type Scene } from "../protocol/gen/api/proto/scene_pb";
 import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
 import { hexOf, rgbOf } from "./colour";
@@ -11,6 +11,9 @@ import { within } from "./numbers";
 
 /** The label number of voxels that belong to no label. */
 export const unlabelled = 0;
+
+/** The label number of the brain that the server has found (kBrainNumber in volume/labels.h). */
+export const brain = 0xffffff04;
 
 /** Returns the colour that the file of labels suggests. */
 export const suggestedColour = ({ colour }: Pick<Label, "colour">): Rgb =>
@@ -44,6 +47,17 @@ export const setOpacity = (scene: Scene, number: number, opacity: number): Scene
 
 export const setShown = (scene: Scene, number: number, shown: boolean): Scene =>
   setOpacity(scene, number, shown ? 1 : 0);
+
+/**
+ * Returns how labels are shown when the look changes from one preset to another: as the new one
+ * says, except for those that the user has changed.
+ */
+export function labelsAfter(scene: Scene, from: Scene | undefined, to: Scene): LabelLook[] {
+  const isOf = (look: LabelLook) => from?.labels.some((one) => equals(LabelLookSchema, one, look)) ?? false;
+  const chosen = scene.labels.filter((look) => !isOf(look));
+  const others = to.labels.filter(({ number }) => !chosen.some((look) => look.number === number));
+  return [...others, ...chosen].sort((a, b) => a.number - b.number);
+}
 
 /** Shows only this label, or all of them again. */
 export function setSolo(scene: Scene, number: number, solo: boolean): Scene {

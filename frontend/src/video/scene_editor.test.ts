@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it } from "vitest";
 import { PhaseSchema, PresetSchema, SceneSchema } from "../protocol/gen/api/proto/scene_pb";
 import { ConfigSchema } from "../protocol/gen/api/proto/stream_pb";
 import { cameraOf, withClip, type Preset, type Scene } from "../protocol/messages";
-import { setShown } from "../scene/labels";
+import { setOpacity, setShown, unlabelled } from "../scene/labels";
 import { setExposure } from "../scene/lens";
 import { someScene } from "../scene/testing";
 import { setDensity } from "../scene/transfer";
@@ -226,6 +226,22 @@ describe("presets", () => {
     expect(editor.scene.value?.clip).toEqual(before?.clip);
     editor.undo();
     expect(density(editor)).toBe(1.1);
+  });
+
+  it("show and hide what they need, but leave what the user has changed", () => {
+    const alone = preset("brain", setShown(denser(7)(someScene()), unlabelled, false));
+    begin(someScene(), [preset("bone"), alone]);
+    editor.applyPreset(alone);
+    expect(editor.scene.value?.labels).toMatchObject([{ number: unlabelled, opacity: 0 }]);
+    editor.change("label", (scene) => setShown(scene, 3, false));
+    editor.applyPreset(preset("bone"));
+    expect(editor.scene.value?.labels).toMatchObject([{ number: 3, opacity: 0 }]);
+    editor.change("label", (scene) => setOpacity(scene, unlabelled, 0.5));
+    editor.applyPreset(alone);
+    expect(editor.scene.value?.labels.map(({ number, opacity }) => [number, opacity])).toEqual([
+      [unlabelled, 0.5],
+      [3, 0],
+    ]);
   });
 
   it("are active if the scene has their look, from any camera", () => {

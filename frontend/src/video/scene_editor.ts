@@ -13,6 +13,7 @@ import {
   type Viewport,
 } from "../protocol/messages";
 import { changed, nothingYet, redone, rested, undone, type History, type Moved } from "../scene/history";
+import { labelsAfter } from "../scene/labels";
 import { resetPart, type Part } from "../scene/parts";
 
 /** The part of the session that the editor needs. */
@@ -117,8 +118,8 @@ export class SceneEditor {
   }
 
   /**
-   * Applies a look but keeps the camera, the cuts, the slices, the labels and whether the table is
-   * shown.
+   * Applies a look but keeps the camera, the cuts, the slices, what the user has changed about
+   * labels, and whether the table is shown.
    */
   applyPreset(preset: Preset): void {
     if (!preset.scene) return;
@@ -127,7 +128,7 @@ export class SceneEditor {
       ...(now?.camera ? { camera: now.camera } : {}),
       ...(now?.clip ? { clip: now.clip } : {}),
       ...(now?.slices ? { slices: now.slices } : {}),
-      ...(now ? { showTable: now.showTable, labels: now.labels } : {}),
+      ...(now ? { showTable: now.showTable, labels: labelsAfter(now, this.activePreset()?.scene, preset.scene) } : {}),
     };
     this.setScene({ ...preset.scene, ...kept }, { what: `preset ${preset.name}`, held: false }, true);
   }

@@ -4,7 +4,7 @@ import { t } from "../texts";
 import { Art } from "./account_frame";
 import { lookOf } from "./looks";
 import { Link } from "./router";
-import { titleOf } from "./scan_card";
+import { KindChip, titleOf } from "./scan_card";
 import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
 import { useThumbnail } from "./thumbnail";
@@ -36,8 +36,40 @@ export function Home() {
         </p>
         <p class="home-notice">{text.notMedical}</p>
       </section>
-      {sample ? <SamplePicture sample={sample} /> : <HomeArt />}
+      <div class="home-pictures">
+        {sample ? <SamplePicture sample={sample} /> : <HomeArt />}
+        <MoreSamples samples={samples?.slice(1, mostSamples) ?? []} />
+      </div>
     </div>
+  );
+}
+
+/** How many samples the front page shows. The gallery has all of them. */
+const mostSamples = 4;
+
+/** The other samples, each as a small picture with its title. */
+function MoreSamples({ samples }: { readonly samples: readonly DataSet[] }) {
+  if (samples.length === 0) return null;
+  return (
+    <ul class="home-samples" aria-label={t.home.others}>
+      {samples.map((sample) => (
+        <MoreSample key={sample.id} sample={sample} />
+      ))}
+    </ul>
+  );
+}
+
+function MoreSample({ sample }: { readonly sample: DataSet }) {
+  const { url } = useThumbnail(sample.id, lookOf(sample), true);
+  return (
+    <li>
+      <Link href={`/sample/${sample.id}`} class="home-sample">
+        <span class="home-sample-picture">{url ? <img src={url} alt="" width={320} height={320} /> : null}</span>
+        <span>
+          {titleOf(sample)} <KindChip set={sample} />
+        </span>
+      </Link>
+    </li>
   );
 }
 
@@ -45,8 +77,10 @@ function SamplePicture({ sample }: { readonly sample: DataSet }) {
   const { url } = useThumbnail(sample.id, lookOf(sample), true);
   if (url === null) return <HomeArt />;
   return (
-    <figure class="home-picture">
-      <img src={url} alt={t.scans.picture(titleOf(sample))} width={320} height={320} />
+    <figure>
+      <Link href={`/sample/${sample.id}`} class="home-picture" label={t.home.open(titleOf(sample))}>
+        <img src={url} alt={t.scans.picture(titleOf(sample))} width={320} height={320} />
+      </Link>
     </figure>
   );
 }

@@ -15,7 +15,9 @@ import { useThumbnail } from "./thumbnail";
 
 /** Returns the title of a scan. Scans without one are distinguished by the time of their upload. */
 export const titleOf = (set: DataSet): string =>
-  set.title || (set.is_sample ? t.scans.sampleTitle : t.scans.untitledOn(dateText(set.created_at)));
+  set.is_sample
+    ? (t.scans.sampleTitles[set.title] ?? (set.title || t.scans.sampleTitle))
+    : set.title || t.scans.untitledOn(dateText(set.created_at));
 
 /** The kind of scan, if its files state it. */
 export function KindChip({ set }: { readonly set: DataSet }) {

@@ -1,8 +1,11 @@
 #include <unistd.h>
+#include <zlib.h>
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include "common/config.h"
 #include "common/try.h"
@@ -34,7 +37,38 @@ Result<std::string> bundle_of(const volume::Volume& volume, std::size_t& files) 
   return bundle.finish();
 }
 
-int send(const volume::Volume& volume, sample::UploadOptions options,
+/// Returns the bytes of a file, unpacked if it is compressed by gzip.
+std::string unpacked(const std::string& path) {
+  std::string bytes;
+  const std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> file(gzopen(path.c_str(), "rb"), gzclose);
+  if (!file) return {};
+  std::array<char, 1 << 16> part{};
+  for (int n = 0; (n = gzread(file.get(), part.data(), part.size())) != 0;) {
+    if (n < 0) return {};
+    bytes.append(part.data(), static_cast<std::size_t>(n));
+  }
+  return bytes;
+}
+
+/// Returns a bundle of a NIfTI file that states its modality, as the page writes it.
+Result<std::string> bundle_of(const std::string& path, const std::string& modality) {
+  // Offset and length of intent_name in the header (ingest/build/nifti.h).
+  constexpr std::size_t kIntentName = 328, kLongest = 16;
+  std::string bytes = unpacked(path);
+  if (bytes.size() < kIntentName + kLongest) {
+    return fail(ErrorCode::kNotFound, "cannot read the NIfTI file " + path);
+  }
+  if (!modality.empty()) {
+    std::string name = modality.substr(0, kLongest - 1);
+    name.resize(kLongest, '\0');
+    bytes.replace(kIntentName, kLongest, name);
+  }
+  sample::Bundle bundle;
+  DIAPHANE_TRY(bundle.add(bytes));
+  return bundle.finish();
+}
+
+int send(const std::string& bundle, std::size_t files, sample::UploadOptions options,
          const std::string& token_file) {
   std::ifstream in(token_file);
   if (!std::getline(in, options.token) || options.token.empty()) {
@@ -48,10 +82,7 @@ int send(const volume::Volume& volume, sample::UploadOptions options,
       if (sent == all) std::fputs("\n", stderr);
     };
   }
-  std::size_t files = 0;
-  auto bundle = bundle_of(volume, files);
-  if (!bundle) return report(bundle.error(), kExitData);
-  auto id = sample::upload(*bundle, files, options);
+  auto id = sample::upload(bundle, files, options);
   if (!id) {
     return report(id.error(),
                   id.error().code == ErrorCode::kUnavailable ? kExitUnavailable : kExitData);
@@ -60,63 +91,94 @@ int send(const volume::Volume& volume, sample::UploadOptions options,
   return 0;
 }
 
-}  // namespace
+/// What to do with which scan. Empty texts are not wanted.
+struct Orders {
+  std::string cranium, dicom, bundle, mha, store, file, modality, token_file;
+  sample::UploadOptions upload;
+};
 
-int main(int argc, char** argv) {
-  ConfigReader in(argc, argv);
-  const std::string cranium =
+Orders read_orders(ConfigReader& in) {
+  Orders orders;
+  orders.cranium =
       in.text("cranium", "path of the InVesalius project Cranium.inv3", sample::kCraniumPath);
-  const std::string dicom =
+  orders.dicom =
       in.text("write-dicom", "write a DICOM series of a fictitious patient to this folder", "");
-  const std::string bundle =
-      in.text("write-bundle", "write the tar file that a browser would upload", "");
-  const std::string mha = in.text(
-      "mapped-mha", "write the volume for the comparison of renderers to this .mha file", "");
-  const std::string store = in.text(
+  orders.bundle = in.text("write-bundle", "write the tar file that a browser would upload", "");
+  orders.mha = in.text("mapped-mha",
+                       "write the volume for the comparison of renderers to this .mha file", "");
+  orders.store = in.text(
       "mapped-volume",
       "write the volume for the comparison of renderers to this directory of the volume store", "");
-  sample::UploadOptions upload;
-  upload.url =
-      in.text("upload", "upload the scan to this origin as the public sample and print its ID", "");
-  const std::string token_file =
+  orders.upload.url =
+      in.text("upload", "upload the scan to this origin as a public sample and print its ID", "");
+  orders.token_file =
       in.text("token-file", "file with the sample token; required with --upload", "");
-  upload.title = in.text("title", "title of the uploaded sample", "Cranium");
-  if (dicom.empty() && bundle.empty() && mha.empty() && store.empty() && upload.url.empty()) {
+  orders.file =
+      in.text("file", "upload this NIfTI file (.nii or .nii.gz) instead of the cranium", "");
+  orders.modality = in.text("modality", "what the scan in --file is: CT, MR or PT", "");
+  orders.upload.title = in.text("title", "title of the uploaded sample", "Cranium");
+  const bool uploads = !orders.upload.url.empty();
+  if (orders.dicom.empty() && orders.bundle.empty() && orders.mha.empty() && orders.store.empty() &&
+      !uploads) {
     in.mistake(
         "nothing to do: set --write-dicom, --write-bundle, --mapped-mha, --mapped-volume or "
         "--upload");
   }
-  if (!upload.url.empty() && token_file.empty()) in.mistake("--upload requires --token-file");
+  if (uploads && orders.token_file.empty()) in.mistake("--upload requires --token-file");
+  if (!uploads && !orders.file.empty()) in.mistake("--file requires --upload");
   if (!in.words().empty()) in.mistake("unexpected argument: " + in.words().front());
-  if (auto done = in.finish(
-          "diaphane-sample: prepare or upload the sample scan from Debian's invesalius-examples"))
-    return *done;
+  return orders;
+}
 
-  auto read = sample::read_cranium(cranium);
+int upload_file(const Orders& orders) {
+  const auto bytes = bundle_of(orders.file, orders.modality);
+  if (!bytes) return report(bytes.error(), kExitNoInput);
+  return send(*bytes, 1, orders.upload, orders.token_file);
+}
+
+/// Writes or uploads the cranium in each form that is wanted.
+int use_cranium(const Orders& orders) {
+  const auto read = sample::read_cranium(orders.cranium);
   if (!read) return report(read.error(), kExitNoInput);
-  if (!mha.empty()) {
-    if (auto ok = sample::write_mha(sample::mapped(*read), mha); !ok)
-      return report(ok.error(), kExitCannotCreate);
+  if (!orders.mha.empty()) {
+    const auto ok = sample::write_mha(sample::mapped(*read), orders.mha);
+    if (!ok) return report(ok.error(), kExitCannotCreate);
   }
-  if (!store.empty()) {
+  if (!orders.store.empty()) {
     volume::Volume mapped = sample::mapped(*read);
-    if (auto ok = volume::write(mapped, store); !ok) return report(ok.error(), kExitCannotCreate);
+    const auto ok = volume::write(mapped, orders.store);
+    if (!ok) return report(ok.error(), kExitCannotCreate);
   }
   const volume::Volume upright = sample::upright(*read);
-  if (!dicom.empty()) {
-    if (auto ok = sample::write_series_folder(upright, dicom); !ok)
-      return report(ok.error(), kExitCannotCreate);
+  if (!orders.dicom.empty()) {
+    const auto ok = sample::write_series_folder(upright, orders.dicom);
+    if (!ok) return report(ok.error(), kExitCannotCreate);
   }
-  if (!bundle.empty()) {
-    std::size_t files = 0;
-    auto bytes = bundle_of(upright, files);
-    if (!bytes) return report(bytes.error(), kExitData);
-    std::ofstream out(bundle, std::ios::binary | std::ios::trunc);
+  if (orders.bundle.empty() && orders.upload.url.empty()) return 0;
+  std::size_t files = 0;
+  const auto bytes = bundle_of(upright, files);
+  if (!bytes) return report(bytes.error(), kExitData);
+  if (!orders.bundle.empty()) {
+    std::ofstream out(orders.bundle, std::ios::binary | std::ios::trunc);
     out.write(bytes->data(), static_cast<std::streamsize>(bytes->size()));
     out.close();
-    if (!out)
-      return report({ErrorCode::kUnavailable, "cannot write the file " + bundle, {}},
+    if (!out) {
+      return report({ErrorCode::kUnavailable, "cannot write the file " + orders.bundle, {}},
                     kExitCannotCreate);
+    }
   }
-  return upload.url.empty() ? 0 : send(upright, std::move(upload), token_file);
+  if (orders.upload.url.empty()) return 0;
+  return send(*bytes, files, orders.upload, orders.token_file);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ConfigReader in(argc, argv);
+  const Orders orders = read_orders(in);
+  if (const auto done = in.finish(
+          "diaphane-sample: prepare the sample scan from Debian's invesalius-examples, or upload "
+          "samples"))
+    return *done;
+  return orders.file.empty() ? use_cranium(orders) : upload_file(orders);
 }

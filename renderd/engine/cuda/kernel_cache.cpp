@@ -53,7 +53,7 @@ std::optional<std::string> take_text(std::string_view& from) {
   return text;
 }
 
-/// Returns the bytes of a file that this user or root has written and nobody else may change. The
+/// Returns the bytes of a file that this user or root has written and only they can change. The
 /// bytes become code of this process. Returns nothing otherwise.
 std::string read_file(const std::string& path) {
   const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));

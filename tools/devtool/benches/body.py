@@ -55,13 +55,13 @@ def _label(*arguments: str) -> list[dict[str, Any]]:
 
 def _print(rows: list[dict[str, Any]]) -> None:
     width = max(len(row["name"]) for row in rows)
-    say(f"{'':<{width}}  {'voxels':>15}  outside   body  support  metal  label ms  build ms   kept  hidden")
+    say(f"{'':<{width}}  {'voxels':>15}  outside   body  support  metal   brain  label ms  brain ms  build ms   kept  hidden")
     for row in rows:
         shares = " ".join(f"{100 * share:7.2f}" for share in row["shares"])
         build = f"{1000 * row['build_s']:9.0f}" if "build_s" in row else " " * 9
         found = f"{row['kept']:7.4f} {row['hidden']:7.4f}" if "kept" in row else ""
         size = " x ".join(map(str, row["size"]))
-        say(f"{row['name']:<{width}}  {size:>15} {shares} {1000 * row['label_s']:9.0f} {build} {found}".rstrip())
+        say(f"{row['name']:<{width}}  {size:>15} {shares} {1000 * row['label_s']:9.0f} {1000 * row['brain_s']:9.0f} {build} {found}".rstrip())
 
 
 def _results(rows: list[dict[str, Any]]) -> list[Result]:

@@ -8,4 +8,6 @@ export const home: Texts["home"] = {
   notMedical:
     "Diaphane ist kein Medizinprodukt und stellt keine Diagnose. Sprechen Sie bitte mit Ihrer Ärztin oder Ihrem Arzt über das, was Sie sehen.",
   sample: "Beispielaufnahme ansehen",
+  others: "Weitere Beispiele",
+  open: (title) => `Das Beispiel „${title}“ ansehen`,
 };

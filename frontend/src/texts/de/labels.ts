@@ -2,13 +2,14 @@ import type { Texts } from "../shape";
 import { count, fixed } from "./counting";
 
 export const labels: Texts["labels"] = {
-  lead: "Jemand hat diese Strukturen in der Aufnahme markiert. Wählen Sie eine aus, um ihr Aussehen zu ändern. Um Strukturen im Inneren zu sehen, blenden Sie alles aus, was nicht markiert ist.",
+  lead: "Diese Strukturen sind in der Aufnahme markiert. Wählen Sie eine aus, um ihr Aussehen zu ändern. Um Strukturen im Inneren zu sehen, blenden Sie alles aus, was nicht markiert ist.",
   coloured: "Die Strukturen farbig zeigen",
   name: "Was ist das?",
   press: "Drücken Sie im Bild auf eine Struktur, um ihren Namen zu sehen.",
   noAnswer: "Der Server hat nicht geantwortet. Versuchen Sie es noch einmal.",
   nothingThere: "An dieser Stelle ist nichts von der Aufnahme. Wählen Sie eine andere.",
   unmarked: "Hier ist keine Struktur markiert.",
+  brain: "Gehirn mit dem Hirnwasser um es herum",
   untitled: (number) => `Struktur ${number}`,
   show: (name) => `${name} zeigen`,
   only: "Nur diese",

@@ -13,6 +13,8 @@ const known: Readonly<Record<string, string>> = {
   "spongy bone": "Spongiosa",
   enamel: "Dichtester Knochen und Zähne",
   surface: "Oberfläche",
+  "grey matter": "Graue Substanz",
+  "white matter": "Weiße Substanz",
   dark: "Dunkle Teile",
   middle: "Mittelhelle Teile",
   bright: "Helle Teile",

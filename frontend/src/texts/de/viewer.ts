@@ -84,6 +84,8 @@ export const viewer: Texts["viewer"] = {
     airways: "Luftwege",
   },
   lookOfOther: {
+    brain: "Gehirn",
+    through: "Glas",
     skin: "Oberfläche",
     muscle: "Weichgewebe",
     vessels: "Hellste Teile",

@@ -6,4 +6,6 @@ export const home = {
     "The patient’s name is removed before anything is uploaded, and only you can see your scans unless you share them.",
   notMedical: "Diaphane is not a medical device and makes no diagnosis. Please talk to your doctor about what you see.",
   sample: "View a sample scan",
+  others: "More samples",
+  open: (title: string) => `View the sample “${title}”`,
 } as const;

@@ -2,13 +2,15 @@ import { count, fixed } from "./counting";
 
 /** Labels: structures that somebody has marked in a scan. */
 export const labels = {
-  lead: "Someone has marked these structures in the scan. Choose one to change its look. To see those inside the body, hide everything that isn’t marked.",
+  lead: "These structures are marked in the scan. Choose one to change its look. To see those inside the body, hide everything that isn’t marked.",
   coloured: "Show the structures in colour",
   name: "What is this?",
   press: "Press a structure in the picture to see its name.",
   noAnswer: "The server didn’t answer. Try again.",
   nothingThere: "There is nothing of the scan at this point. Choose another one.",
   unmarked: "No structure is marked here.",
+  /** The brain as the server finds it in an MR scan. */
+  brain: "Brain, with the fluid around it",
   untitled: (number: number) => `Structure ${number}`,
   show: (name: string) => `Show ${name}`,
   only: "Only this",

@@ -33,6 +33,8 @@ export const scans = {
   rename: (title: string) => `Rename ${title}`,
   renameTitle: "Rename this scan",
   renameSave: "Save",
+  /** Titles of the samples that come with Diaphane, by what they are stored as. */
+  sampleTitles: {} as Readonly<Record<string, string>>,
   sampleTitle: "Sample scan",
   sample: "Sample",
   shared: "Public",

@@ -12,6 +12,8 @@ const known: Readonly<Record<string, string>> = {
   "spongy bone": "Spongy bone",
   enamel: "Densest bone and teeth",
   surface: "Surface",
+  "grey matter": "Grey matter",
+  "white matter": "White matter",
   dark: "Dark parts",
   middle: "Middle grey parts",
   bright: "Bright parts",

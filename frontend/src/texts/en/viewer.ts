@@ -87,6 +87,8 @@ export const viewer = {
     airways: "Airways",
   } as Readonly<Record<string, string>>,
   lookOfOther: {
+    brain: "Brain",
+    through: "Glass",
     skin: "Surface",
     muscle: "Soft tissue",
     vessels: "Brightest parts",

@@ -73,7 +73,8 @@ async function nameAt(
   return nameOf(label);
 }
 
-export const nameOf = ({ name, number }: Pick<Label, "name" | "number">): string => name || t.labels.untitled(number);
+export const nameOf = ({ name, number }: Pick<Label, "name" | "number">): string =>
+  name || (number === looks.brain ? t.labels.brain : t.labels.untitled(number));
 
 interface RowProps {
   readonly session: ViewerSession;
