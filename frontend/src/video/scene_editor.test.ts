@@ -1,8 +1,9 @@
 import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
+import { vec3, type Vec3 } from "../input/vec3";
 import { PhaseSchema, PresetSchema, SceneSchema } from "../protocol/gen/api/proto/scene_pb";
 import { ConfigSchema } from "../protocol/gen/api/proto/stream_pb";
-import { cameraOf, withClip, type Preset, type Scene } from "../protocol/messages";
+import { cameraOf, withCamera, withClip, type Preset, type Scene } from "../protocol/messages";
 import { setOpacity, setShown, unlabelled } from "../scene/labels";
 import { setExposure } from "../scene/lens";
 import { someScene } from "../scene/testing";
@@ -11,6 +12,10 @@ import { SceneEditor } from "./scene_editor";
 
 const preset = (name: string, scene: Scene = someScene()): Preset => create(PresetSchema, { name, scene });
 const denser = (extinctionPerMm: number) => (scene: Scene) => setDensity(scene, extinctionPerMm);
+const seenFrom = (eye: Vec3) => (scene: Scene) => {
+  const pose = cameraOf(scene);
+  return pose ? withCamera(scene, { ...pose, eye }) : scene;
+};
 const density = (editor: SceneEditor) => editor.scene.value?.transferFunction?.extinctionPerMm;
 const orbit = { kind: "rotate", right: 0.3, down: 0 } as const;
 
@@ -226,6 +231,18 @@ describe("presets", () => {
     expect(editor.scene.value?.clip).toEqual(before?.clip);
     editor.undo();
     expect(density(editor)).toBe(1.1);
+  });
+
+  it("bring their own camera until somebody moves it", () => {
+    const near = () => preset("brain", seenFrom(vec3(0, -50, 0))(denser(7)(someScene())));
+    begin(someScene(), [preset("bone"), near()]);
+    editor.applyPreset(near());
+    expect(editor.scene.value && cameraOf(editor.scene.value)?.eye).toEqual(vec3(0, -50, 0));
+    editor.applyPreset(preset("bone"));
+    editor.act(orbit);
+    const moved = editor.scene.value?.camera;
+    editor.applyPreset(near());
+    expect(editor.scene.value?.camera).toEqual(moved);
   });
 
   it("show and hide what they need, but leave what the user has changed", () => {

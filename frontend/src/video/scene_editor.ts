@@ -4,6 +4,7 @@ import { refitted, type CameraPose } from "../input/camera";
 import type { Gesture } from "../input/gestures";
 import {
   cameraOf,
+  cameraToJson,
   sameLook,
   sameScene,
   withCamera,
@@ -118,19 +119,19 @@ export class SceneEditor {
   }
 
   /**
-   * Applies a look but keeps the camera, the cuts, the slices, what the user has changed about
-   * labels, and whether the table is shown.
+   * Applies a look but keeps the cuts, the slices, what the user has changed about labels, whether
+   * the table is shown, and the camera once somebody has moved it: looks of parts are framed on them.
    */
   applyPreset(preset: Preset): void {
     if (!preset.scene) return;
     const now = this.scene.value;
     const kept = {
-      ...(now?.camera ? { camera: now.camera } : {}),
+      ...(now?.camera && !this.isHome() ? { camera: now.camera } : {}),
       ...(now?.clip ? { clip: now.clip } : {}),
       ...(now?.slices ? { slices: now.slices } : {}),
       ...(now ? { showTable: now.showTable, labels: labelsAfter(now, this.activePreset()?.scene, preset.scene) } : {}),
     };
-    this.setScene({ ...preset.scene, ...kept }, { what: `preset ${preset.name}`, held: false }, true);
+    this.setScene({ ...this.framed(preset.scene), ...kept }, { what: `preset ${preset.name}`, held: false }, true);
   }
 
   /** Starts with a look and its own camera. */
@@ -185,6 +186,13 @@ export class SceneEditor {
   activePreset(): Preset | null {
     const scene = this.scene.value;
     return (scene && this.presets.value.find((preset) => preset.scene && sameLook(preset.scene, scene))) ?? null;
+  }
+
+  /** Whether nobody has moved the camera from where the look placed it. */
+  private isHome(): boolean {
+    const scene = this.scene.value;
+    const home = this.home();
+    return scene !== null && home !== null && cameraToJson(scene) === cameraToJson(withCamera(scene, home));
   }
 
   private home(): CameraPose | null {
