@@ -385,11 +385,11 @@ double unevenness(const Mesh& mesh) {
 
 bool plausible(const Scan& scan, const Start& start, const Mesh& mesh,
                const std::vector<std::uint8_t>& mask) {
-  constexpr double kLeastEdge = 0.8, kMostUneven = 0.22;
+  constexpr double kEdgeAtLeast = 0.8, kUnevenAtMost = 0.22;
   const double ml =
       static_cast<double>(std::count(mask.begin(), mask.end(), 1)) * scan.voxel_mm3() / 1000;
-  return ml >= kSmallest && ml <= kLargest && unevenness(mesh) <= kMostUneven &&
-         share_of_edge(scan, start, mesh) >= kLeastEdge;
+  return ml >= kSmallest && ml <= kLargest && unevenness(mesh) <= kUnevenAtMost &&
+         share_of_edge(scan, start, mesh) >= kEdgeAtLeast;
 }
 
 }  // namespace

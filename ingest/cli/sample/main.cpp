@@ -53,15 +53,15 @@ std::string unpacked(const std::string& path) {
 /// Returns a bundle of a NIfTI file that states its modality, as the page writes it.
 Result<std::string> bundle_of(const std::string& path, const std::string& modality) {
   // Offset and length of intent_name in the header (ingest/build/nifti.h).
-  constexpr std::size_t kIntentName = 328, kLongest = 16;
+  constexpr std::size_t kIntentName = 328, kBytes = 16;
   std::string bytes = unpacked(path);
-  if (bytes.size() < kIntentName + kLongest) {
+  if (bytes.size() < kIntentName + kBytes) {
     return fail(ErrorCode::kNotFound, "cannot read the NIfTI file " + path);
   }
   if (!modality.empty()) {
-    std::string name = modality.substr(0, kLongest - 1);
-    name.resize(kLongest, '\0');
-    bytes.replace(kIntentName, kLongest, name);
+    std::string name = modality.substr(0, kBytes - 1);
+    name.resize(kBytes, '\0');
+    bytes.replace(kIntentName, kBytes, name);
   }
   sample::Bundle bundle;
   DIAPHANE_TRY(bundle.add(bytes));
