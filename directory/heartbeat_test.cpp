@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "directory/links.h"
 #include "directory/worker.h"
 #include "tests/support/directory/test_sessions.h"
 
@@ -89,12 +90,16 @@ TEST_F(HeartbeatTest, WorkerRestoresSessionLostByRedisOnce) {
   EXPECT_EQ(client_->command({"ZCARD", "diaphane:visitors"})->integer, 1);
   LostSession lost{.id = id, .user_id = new_id(), .data_set_id = new_id()};
   lost.saved = {.placement = 3, .scene = "scene", .input_seq = 7, .width = 64, .height = 32};
-  lost.links = {std::string(64, 'a')};
+  const std::string narrow(64, 'a'), wide(64, 'b');
+  lost.links = {narrow, wide + " slices"};
   EXPECT_TRUE(*worker.restore(lost));
   EXPECT_FALSE(*worker.restore(lost));
   EXPECT_TRUE(worker.beat(heartbeat)->unknown.empty());
   EXPECT_EQ(sessions_.find(id)->worker_id, "a");
-  EXPECT_EQ(client_->command({"GET", "diaphane:link:" + lost.links[0]})->text, id);
+  Links links(*client_);
+  EXPECT_EQ(links.follow(narrow)->session.id, id);
+  EXPECT_FALSE(links.follow(narrow)->slices);
+  EXPECT_TRUE(links.follow(wide)->slices) << "each link keeps its permission";
   lost.saved.input_seq = 8;
   EXPECT_TRUE(*worker.save_scene(id, lost.saved));
   EXPECT_EQ(client_->command({"HGET", "diaphane:session:" + id, "input_seq"})->text, "8");

@@ -10,13 +10,17 @@ tl::unexpected<Error> no_link() { return fail(ErrorCode::kNotFound, "Link not fo
 }  // namespace
 
 Result<void> Links::make(std::string_view session_id, std::string_view user_id,
-                         std::string_view hash) {
+                         std::string_view hash, bool slices) {
   const std::string life = std::to_string(limits_.life_s);
   const std::string most = std::to_string(limits_.per_session);
-  const Result<Reply> reply = client_.run(kMakeLink, {session_id, user_id, hash, life, most});
+  const Result<Reply> reply =
+      client_.run(kMakeLink, {session_id, user_id, hash, life, most, slices ? "1" : ""});
   if (!reply) return tl::unexpected(reply.error());
   if (reply->text == "made") return {};
   if (reply->text == "ended") return fail(ErrorCode::kConflict, "This link has been disabled.");
+  if (reply->text == "other") {
+    return fail(ErrorCode::kInvalid, "This link exists with other permissions.", "slices");
+  }
   if (reply->text == "too_many") {
     return fail(ErrorCode::kTooMany,
                 "This session has reached its link limit. Disable its links first.");
@@ -24,15 +28,16 @@ Result<void> Links::make(std::string_view session_id, std::string_view user_id,
   return fail(ErrorCode::kNotFound, "Session not found.");
 }
 
-Result<SessionInfo> Links::follow(std::string_view hash) {
+Result<LinkStore::Target> Links::follow(std::string_view hash) {
   const Result<Reply> link = client_.command({"GET", "diaphane:link:" + std::string(hash)});
   if (!link) return tl::unexpected(link.error());
-  if (!is_id(link->text)) return no_link();
+  const std::string id = link->text.substr(0, link->text.find(' '));
+  if (!is_id(id)) return no_link();
   const Result<Reply> session =
-      client_.command({"HMGET", "diaphane:session:" + link->text, "user", "data_set", "worker"});
+      client_.command({"HMGET", "diaphane:session:" + id, "user", "data_set", "worker"});
   if (!session) return tl::unexpected(session.error());
   if (session->at(0).empty()) return no_link();
-  return SessionInfo{link->text, session->at(0), session->at(1), session->at(2)};
+  return Target{{id, session->at(0), session->at(1), session->at(2)}, link->text != id};
 }
 
 Result<void> Links::end_links(std::string_view session_id) {

@@ -17,9 +17,9 @@ class Links final : public LinkStore {
   explicit Links(Client& client) : Links(client, Limits()) {}
   Links(Client& client, Limits limits) : client_(client), limits_(limits) {}
 
-  Result<void> make(std::string_view session_id, std::string_view user_id,
-                    std::string_view hash) override;
-  Result<SessionInfo> follow(std::string_view hash) override;
+  Result<void> make(std::string_view session_id, std::string_view user_id, std::string_view hash,
+                    bool slices) override;
+  Result<Target> follow(std::string_view hash) override;
   Result<void> end_links(std::string_view session_id) override;
 
  private:

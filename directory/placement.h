@@ -50,8 +50,10 @@ struct PlaceRequest {
   /// The requesting web session of the owner (WebSession::id). Empty for guests and visitors.
   std::string browser = {};
   SessionViewer viewer = SessionViewer::kGuest;  ///< the holder of the ticket
-  /// For kPublic and visitors: whether the owner of the scan allows exact slices.
+  /// Whether the owner of the scan allows the viewer exact slices. For a guest: whether their link
+  /// allows all slices inside the clip at any time.
   bool slices = false;
+  bool downloads = false;  ///< whether the owner of the scan allows videos and large pictures
   /// Whether the requester has no account and is placed only within the visitors' share of the
   /// slots.
   bool visitor = false;
@@ -114,8 +116,8 @@ struct Attachment {
   std::string presenter;
   std::string participant, name, link;  ///< set for a guest, as in PlaceRequest
   SessionViewer viewer = SessionViewer::kGuest;
-  bool slices = false;
-  bool guest_slices = false;  ///< last known value: guests of the session may get exact slices
+  bool slices = false, downloads = false;  ///< as in PlaceRequest
+  bool guest_slices = false;  ///< last known value: guests may get the slices that are shown
   bool visitor = false;       ///< the session belongs to the visitors' share of the slots
 };
 
@@ -137,13 +139,17 @@ class Tickets {
 class LinkStore {
  public:
   virtual ~LinkStore() = default;
+  struct Target {
+    SessionInfo session;
+    bool slices = false;  ///< guests with this link may get all slices inside the clip
+  };
   /// Creates the link; an existing link stays unchanged. Returns kNotFound if the user has no such
-  /// session, kConflict if the link was disabled, or kTooMany if the session has the maximum number
-  /// of links.
+  /// session, kConflict if the link was disabled, kInvalid if it exists with other `slices`, or
+  /// kTooMany if the session has the maximum number of links.
   virtual Result<void> make(std::string_view session_id, std::string_view user_id,
-                            std::string_view hash) = 0;
-  /// Returns the session of the link, or kNotFound.
-  virtual Result<SessionInfo> follow(std::string_view hash) = 0;
+                            std::string_view hash, bool slices) = 0;
+  /// Returns the target of the link, or kNotFound.
+  virtual Result<Target> follow(std::string_view hash) = 0;
   /// Disables all links of the session.
   virtual Result<void> end_links(std::string_view session_id) = 0;
 };

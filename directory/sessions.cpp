@@ -94,7 +94,8 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
                                                    request.slices ? "1" : "0",
                                                    request.visitor ? "1" : "",
                                                    percent,
-                                                   request.visitor_from});
+                                                   request.visitor_from,
+                                                   request.downloads ? "1" : "0"});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {
@@ -198,6 +199,7 @@ Result<Attachment> Sessions::consume(std::string_view ticket) {
     found.slices = reply->at(17) == "1";
     found.guest_slices = reply->at(18) == "1";
     found.visitor = reply->at(19) == "1";
+    found.downloads = reply->at(20) == "1";
     return found;
   }
   if (what == "unknown") {

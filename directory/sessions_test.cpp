@@ -470,9 +470,9 @@ TEST_F(SessionsTest, LinkResolvesToItsSessionUntilItEnds) {
   const PlaceRequest mine = request();
   ASSERT_TRUE(sessions_.place(mine));
   const std::string hash(64, 'b');
-  EXPECT_EQ(links.make(mine.session_id, new_id(), hash).error().code, ErrorCode::kNotFound);
-  ASSERT_TRUE(links.make(mine.session_id, mine.user_id, hash));
-  EXPECT_EQ(links.follow(hash)->user_id, mine.user_id);
+  EXPECT_EQ(links.make(mine.session_id, new_id(), hash, false).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(links.make(mine.session_id, mine.user_id, hash, false));
+  EXPECT_EQ(links.follow(hash)->session.user_id, mine.user_id);
   PlaceRequest guest = mine;
   guest.participant = new_id();
   guest.name = "Ann";
@@ -492,15 +492,46 @@ TEST_F(SessionsTest, LinkResolvesToItsSessionUntilItEnds) {
   EXPECT_TRUE(sessions_.consume(sessions_.place(mine)->ticket)) << "the owner's own way stays";
 }
 
+TEST_F(SessionsTest, EachLinkKeepsItsOwnPermission) {
+  announce({.id = "a"});
+  Links links(*client_);
+  const PlaceRequest mine = request();
+  ASSERT_TRUE(sessions_.place(mine));
+  const std::string narrow(64, 'b'), wide(64, 'c');
+  ASSERT_TRUE(links.make(mine.session_id, mine.user_id, narrow, false));
+  ASSERT_TRUE(links.make(mine.session_id, mine.user_id, wide, true));
+  EXPECT_FALSE(links.follow(narrow)->slices);
+  EXPECT_TRUE(links.follow(wide)->slices);
+  EXPECT_EQ(links.follow(wide)->session.id, mine.session_id);
+  EXPECT_TRUE(links.make(mine.session_id, mine.user_id, wide, true)) << "a repetition";
+  EXPECT_EQ(links.make(mine.session_id, mine.user_id, narrow, true).error().code,
+            ErrorCode::kInvalid);
+  EXPECT_FALSE(links.follow(narrow)->slices);
+}
+
+TEST_F(SessionsTest, TicketCarriesSlicesAndDownloads) {
+  announce({.id = "a"});
+  for (int bits = 0; bits < 4; ++bits) {
+    PlaceRequest one = request();
+    one.slices = (bits & 1) != 0;
+    one.downloads = (bits & 2) != 0;
+    const auto attachment = sessions_.consume(sessions_.place(one)->ticket);
+    ASSERT_TRUE(attachment);
+    EXPECT_EQ(attachment->slices, one.slices);
+    EXPECT_EQ(attachment->downloads, one.downloads);
+    ASSERT_TRUE(sessions_.end(one.session_id));
+  }
+}
+
 TEST_F(SessionsTest, LimitsLinksPerSessionAndEndsThemWithIt) {
   announce({.id = "a"});
   Links links(*client_);
   const PlaceRequest mine = request();
   ASSERT_TRUE(sessions_.place(mine));
   for (int i = 0; i < 8; ++i) {
-    ASSERT_TRUE(links.make(mine.session_id, mine.user_id, std::string(64, char('0' + i))));
+    ASSERT_TRUE(links.make(mine.session_id, mine.user_id, std::string(64, char('0' + i)), false));
   }
-  EXPECT_EQ(links.make(mine.session_id, mine.user_id, std::string(64, 'x')).error().code,
+  EXPECT_EQ(links.make(mine.session_id, mine.user_id, std::string(64, 'x'), false).error().code,
             ErrorCode::kTooMany);
   ASSERT_TRUE(sessions_.end(mine.session_id));
   EXPECT_EQ(links.follow(std::string(64, '3')).error().code, ErrorCode::kNotFound);

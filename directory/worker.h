@@ -61,7 +61,7 @@ struct LostSession {
   std::string id, user_id, data_set_id;
   SavedScene saved;
   bool visitor = false;
-  std::vector<std::string> links;  ///< hashes of the links that its guests joined with
+  std::vector<std::string> links;  ///< hashes of its guests' links, and " slices" if they allow all
 };
 
 /// Another worker, as of its last heartbeat.

@@ -41,7 +41,8 @@ nlohmann::ordered_json to_json(const DataSet& d) {
   json["owned"] = d.owned();
   json["is_public"] = d.is_public;
   json["is_sample"] = d.is_sample;
-  json["public_slices"] = d.has_public_slices();
+  json["public_slices"] = d.allowed_to_public().slices;
+  json["public_downloads"] = d.allowed_to_public().downloads;
   json["refusal"] = nullptr;
   if (d.state == DataSetState::kRefused) {
     json["refusal"] = {{"code", d.refusal_code}, {"text", d.refusal_text}};

@@ -28,7 +28,8 @@ const char* const kSelectDataSet = R"sql(
          CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_people p WHERE p.data_set_id = d.id) ELSE 0 END AS people,
          CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_links l WHERE l.data_set_id = d.id AND l.expires_at > now()) ELSE 0 END AS links,
          CASE WHEN r.role = 'owner' AND d.state = 'queued' THEN COALESCE(j.waiting_for, '') ELSE '' END AS waiting_for,
-         d.public_slices,
+         d.public_slices, d.public_downloads, COALESCE(s.slices, false) AS person_slices,
+         COALESCE(s.downloads, false) AS person_downloads,
          d.label_count, d.label_bytes, COALESCE(d.label_refusal_code, '') AS label_refusal_code,
          COALESCE(d.label_refusal_text, '') AS label_refusal_text, COALESCE(j.for_labels, false) AS placing_labels,
          CASE WHEN u.for_labels THEN u.id END AS label_upload_id
@@ -126,7 +127,8 @@ DataSet read_data_set(const pqxx::row& row) {
   d.people = row["people"].as<int>();
   d.links = row["links"].as<int>();
   d.waiting_for = row["waiting_for"].as<std::string>();
-  d.public_slices = row["public_slices"].as<bool>();
+  d.to_public = {row["public_slices"].as<bool>(), row["public_downloads"].as<bool>()};
+  d.to_person = {row["person_slices"].as<bool>(), row["person_downloads"].as<bool>()};
   return d;
 }
 

@@ -53,6 +53,12 @@ struct LabelState {
   std::string refusal_code, refusal_text;  ///< of the last upload; empty if accepted
 };
 
+/// What an owner allows viewers of a data set beyond its pictures.
+struct Permissions {
+  bool slices = false;     ///< exact slices
+  bool downloads = false;  ///< videos and large pictures
+};
+
 struct DataSet {
   std::string id;
   std::string title;
@@ -62,8 +68,9 @@ struct DataSet {
   Role role = Role::kNobody;  ///< role of the requester
   bool is_public = false;     ///< also true for samples
   bool is_sample = false;
-  bool public_slices = false;  ///< viewers can get exact slices while it is public
-  bool taken_down = false;     ///< hidden by an administrator
+  Permissions to_public;    ///< of everyone while it is public
+  Permissions to_person;    ///< of the requester, if it is shared with them
+  bool taken_down = false;  ///< hidden by an administrator
   std::string taken_down_reason;
   std::string owner_name;     ///< chosen by the owner, or empty
   int people = 0, links = 0;  ///< number of people and links with access; visible to the owner
@@ -84,8 +91,17 @@ struct DataSet {
   Time updated_at;
 
   bool owned() const { return role == Role::kOwner; }
-  /// Everyone can get slices of a sample. For a public data set, its owner decides.
-  bool has_public_slices() const { return is_sample || (is_public && public_slices); }
+  /// Returns what everyone may get: all of a sample, and what its owner allows of a public one.
+  Permissions allowed_to_public() const {
+    if (is_sample) return {true, true};
+    return is_public ? to_public : Permissions();
+  }
+  /// Returns what the requester may get.
+  Permissions allowed() const {
+    if (owned()) return {true, true};
+    const Permissions everyone = allowed_to_public();
+    return {everyone.slices || to_person.slices, everyone.downloads || to_person.downloads};
+  }
   Exposure exposure() const {
     if (taken_down) return Exposure::kTakenDown;
     if (is_sample) return Exposure::kSample;

@@ -236,10 +236,11 @@ Outcome<ViewPage> DataSets::views(const Principal& who, const std::string& id, V
 }
 
 Outcome<void> DataSets::note_live_links(const Principal& who, const std::string& id,
-                                        const std::string& action) {
+                                        const std::string& action,
+                                        std::vector<AuditDetail> details) {
   const auto now = clock_.wall();
-  const auto done =
-      store_.note_access({AuditActor::kPerson, who.user_id, action, "data_set", id, {}}, now, now);
+  const auto done = store_.note_access(
+      {AuditActor::kPerson, who.user_id, action, "data_set", id, std::move(details)}, now, now);
   if (!done) return refuse(done.error());
   return {};
 }

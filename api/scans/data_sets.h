@@ -65,7 +65,7 @@ class DataSets {
   Outcome<ViewPage> views(const Principal& who, const std::string& id, ViewQuery query);
   /// Records in the audit log that the owner created or ended the links to a live session.
   Outcome<void> note_live_links(const Principal& who, const std::string& id,
-                                const std::string& action);
+                                const std::string& action, std::vector<AuditDetail> details = {});
 
   const Options& options() const { return options_; }
 

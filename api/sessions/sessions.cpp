@@ -23,6 +23,15 @@ SessionViewer viewer_of(Role role) {
   }
 }
 
+bool lacks(const Permissions& now, const Permissions& before) {
+  return (before.slices && !now.slices) || (before.downloads && !now.downloads);
+}
+
+tl::unexpected<Problem> permissions_changed() {
+  return refuse(ProblemKind::kBusy, "The owner has just changed what you may do. Try again.",
+                std::chrono::seconds(1));
+}
+
 }  // namespace
 
 Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::string& session_id,
@@ -30,15 +39,17 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
   PlaceRequest request{session_id, who.user_id, data_set.id};
   request.first_scene = first_scene_(data_set.id);
   request.viewer = viewer_of(data_set.role);
-  request.slices = data_set.has_public_slices();
+  const Permissions allowed = data_set.allowed();
+  request.slices = allowed.slices;
+  request.downloads = allowed.downloads;
   request.browser = who.session_id;
   const auto placed = placement_.place(request);
   if (placed) {
     // Access may have been revoked during the placement by a request that did not see this session.
-    if (auto still = data_sets_.find_ready(who, data_set.id); !still) {
-      (void)placement_.end(session_id);
-      return tl::unexpected(still.error());
-    }
+    const auto still = data_sets_.find_ready(who, data_set.id);
+    if (!still || lacks(still->allowed(), allowed)) (void)placement_.end(session_id);
+    if (!still) return tl::unexpected(still.error());
+    if (lacks(still->allowed(), allowed)) return permissions_changed();
     // Views of a sample are not recorded, because it is public and has no owner.
     if (!data_set.is_sample) {
       const View view{route_of(who, data_set), who.user_id, "", who.client};

@@ -81,19 +81,41 @@ TEST_F(SessionsTest, AScanIsNotShownUnlessTheViewIsRecorded) {
   EXPECT_TRUE(data_set_store.noted_views.empty());
 }
 
-TEST_F(SessionsTest, ExactSlicesArePublicOnlyIfTheOwnerPublishedThem) {
-  const auto slices = [&] {
-    EXPECT_TRUE(sessions.open(owner, id, ""));
-    return placement.requests.back().slices;
+TEST_F(SessionsTest, SlicesAndDownloadsAreThoseThatTheOwnerAllows) {
+  // Returns whether slices and downloads are allowed, as two digits.
+  const auto allowed = [&](const Principal& who) {
+    EXPECT_TRUE(sessions.open(who, id, ""));
+    const PlaceRequest& request = placement.requests.back();
+    return std::to_string(int{request.slices}) + std::to_string(int{request.downloads});
   };
-  scan().public_slices = true;
-  EXPECT_FALSE(slices()) << "it is not public";
+  EXPECT_EQ(allowed(owner), "11");
+  EXPECT_EQ(allowed(shared), "00");
+  scan().to_public = {true, true};
+  EXPECT_EQ(allowed(shared), "00") << "it is not public";
   expose(Exposure::kPublic);
-  EXPECT_TRUE(slices());
-  scan().public_slices = false;
-  EXPECT_FALSE(slices());
+  EXPECT_EQ(allowed(shared), "11");
+  EXPECT_EQ(allowed(stranger), "11");
+  scan().to_public = {false, true};
+  EXPECT_EQ(allowed(stranger), "01");
+  scan().to_public = {true, false};
+  EXPECT_EQ(allowed(stranger), "10");
+  scan().to_public = {};
+  scan().to_person = {false, true};
+  EXPECT_EQ(allowed(shared), "01");
+  scan().to_person = {true, false};
+  EXPECT_EQ(allowed(shared), "10");
+  scan().to_person = {};
   expose(Exposure::kSample);
-  EXPECT_TRUE(slices());
+  EXPECT_EQ(allowed(stranger), "11");
+}
+
+TEST_F(SessionsTest, PermissionsWithdrawnDuringThePlacementDoNotApply) {
+  scan().to_person = {true, true};
+  placement.before("place", [&] { scan().to_person.downloads = false; });
+  EXPECT_EQ(refusal(sessions.open(shared, id, "")), ProblemKind::kBusy);
+  EXPECT_EQ(placement.ended.size(), 1u);
+  EXPECT_TRUE(sessions.open(shared, id, ""));
+  EXPECT_FALSE(placement.requests.back().downloads);
 }
 
 TEST_F(SessionsTest, AScanThatIsNotReadyHasNoSessions) {

@@ -28,21 +28,30 @@ Outcome<std::string> LiveLinks::check_owner(const Principal& who, const std::str
 }
 
 Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& session_id,
-                                     const IdempotencyScope& once) {
+                                     bool slices, const IdempotencyScope& once) {
   const auto mine = check_owner(who, session_id);
   DIAPHANE_TRY(mine);
   // People with whom a scan is shared must not share it further.
-  DIAPHANE_TRY(data_sets_.authorise(who, *mine, Action::kInvite));
+  const auto data_set = data_sets_.authorise(who, *mine, Action::kInvite);
+  DIAPHANE_TRY(data_set);
+  if (slices && !data_set->allowed().slices) {
+    return refuse_field("slices", "The owner of this scan has not shared its slices.");
+  }
   std::string token = token_for("live link\n" + session_id, once);
-  const auto made = links_.make(session_id, who.user_id, blake2b(token));
+  const auto made = links_.make(session_id, who.user_id, blake2b(token), slices);
   if (!made && made.error().code == ErrorCode::kNotFound) return no_own_session();
   if (!made && made.error().code == ErrorCode::kConflict) {
     return refuse(
         ProblemKind::kConflict,
         "The link created with this Idempotency-Key has been disabled. Create a new link.");
   }
+  if (!made && made.error().code == ErrorCode::kInvalid) {
+    return refuse(ProblemKind::kIdempotencyKeyReused,
+                  "This Idempotency-Key was already used with a different request.");
+  }
   if (!made) return refuse(made.error());
-  DIAPHANE_TRY(data_sets_.note_live_links(who, *mine, "data-set.live-link-made"));
+  DIAPHANE_TRY(data_sets_.note_live_links(who, *mine, "data-set.live-link-made",
+                                          {{"slices", std::int64_t{slices}}}));
   return token;
 }
 
@@ -57,9 +66,10 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
                                            const std::string& name, const Client& client) {
   if (!is_token(token)) return no_such_live_link();
   const std::string hash = blake2b(token);
-  const auto session = links_.follow(hash);
-  if (!session && session.error().code == ErrorCode::kNotFound) return no_such_live_link();
-  if (!session) return refuse(session.error());
+  const auto target = links_.follow(hash);
+  if (!target && target.error().code == ErrorCode::kNotFound) return no_such_live_link();
+  if (!target) return refuse(target.error());
+  const SessionInfo* const session = &target->session;
   const auto wait =
       accounts_.note_attempt({{blake2b("join:" + client.address), options_.by_address, kJoinWindow},
                               {blake2b("join link:" + hash), options_.by_link, kJoinWindow}},
@@ -83,6 +93,7 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
   const std::string participant = id_from("participant\n" + session->id + "\n" + key);
   PlaceRequest request{session->id, session->user_id, session->data_set_id, participant, name,
                        hash};
+  request.slices = target->slices && data_set->allowed().slices;
   // If the owner has left and the session has lost its slot, the session takes a slot of the
   // visitors' share.
   request.visitor = true;

@@ -15,16 +15,17 @@ using testing::IsEmpty;
 /// Links in memory, with a record of sessions whose links were disabled.
 class FakeLinkStore final : public LinkStore, public Fake {
  public:
-  std::map<std::string, SessionInfo> links;  ///< by hash
-  std::vector<std::string> ended;            ///< sessions
+  std::map<std::string, Target> links;  ///< by hash
+  std::vector<std::string> ended;       ///< sessions
 
-  Result<void> make(std::string_view session_id, std::string_view user_id,
-                    std::string_view hash) override {
+  Result<void> make(std::string_view session_id, std::string_view user_id, std::string_view hash,
+                    bool slices) override {
     DIAPHANE_TRY(enter("make"));
-    links[std::string(hash)] = {std::string(session_id), std::string(user_id), data_set_id, ""};
+    links[std::string(hash)] = {{std::string(session_id), std::string(user_id), data_set_id, ""},
+                                slices};
     return {};
   }
-  Result<SessionInfo> follow(std::string_view hash) override {
+  Result<Target> follow(std::string_view hash) override {
     DIAPHANE_TRY(enter("follow"));
     const auto found = links.find(std::string(hash));
     if (found == links.end()) return fail(ErrorCode::kNotFound, "no link");
@@ -32,7 +33,7 @@ class FakeLinkStore final : public LinkStore, public Fake {
   }
   Result<void> end_links(std::string_view session_id) override {
     DIAPHANE_TRY(enter("end_links"));
-    std::erase_if(links, [&](const auto& one) { return one.second.id == session_id; });
+    std::erase_if(links, [&](const auto& one) { return one.second.session.id == session_id; });
     ended.emplace_back(session_id);
     return {};
   }
@@ -46,7 +47,7 @@ class LiveLinksTest : public DataSetFixture {
     placement.add_session(session, owner.user_id, id);
     links.data_set_id = id;
   }
-  std::string make_link() { return live.make(owner, session, {}).value(); }
+  std::string make_link() { return live.make(owner, session, false, {}).value(); }
   Outcome<LiveLinks::Joined> join(const std::string& token, const std::string& key = "key",
                                   const std::string& from = "1.2.3.4") {
     return live.join(token, key, "Bert", {from, "Firefox on Windows"});
@@ -63,14 +64,15 @@ TEST_F(LiveLinksTest, ALinkIsStoredAsTheHashOfItsToken) {
   ASSERT_EQ(links.links.size(), 1u);
   const auto& [hash, made] = *links.links.begin();
   EXPECT_EQ(hash, blake2b(token));
-  EXPECT_EQ(made.id, session);
-  EXPECT_EQ(made.user_id, owner.user_id);
+  EXPECT_EQ(made.session.id, session);
+  EXPECT_EQ(made.session.user_id, owner.user_id);
+  EXPECT_FALSE(made.slices);
   EXPECT_NE(make_link(), token);
 }
 
 TEST_F(LiveLinksTest, SameKeyInTheSameBrowserReturnsTheSameLink) {
   const auto make = [&](const std::string& of, const std::string& key, const std::string& browser) {
-    return live.make(owner, of, {key, browser}).value();
+    return live.make(owner, of, false, {key, browser}).value();
   };
   const std::string token = make(session, "key", "browser");
   EXPECT_EQ(make(session, "key", "browser"), token);
@@ -84,18 +86,18 @@ TEST_F(LiveLinksTest, SameKeyInTheSameBrowserReturnsTheSameLink) {
 TEST_F(LiveLinksTest, OnlyThoseWhoMayInviteMakeLinksToTheirSessions) {
   expect_permission(Action::kInvite, [&](const Principal& who) {
     placement.add_session(session, who.user_id, id);
-    return refusal(live.make(who, session, {}));
+    return refusal(live.make(who, session, false, {}));
   });
 }
 
 TEST_F(LiveLinksTest, SessionsOfOthersAreNotFound) {
   const std::string token = make_link();
   for (const Principal& who : {shared, stranger, administrator}) {
-    EXPECT_EQ(refusal(live.make(who, session, {})), ProblemKind::kNotFound);
+    EXPECT_EQ(refusal(live.make(who, session, false, {})), ProblemKind::kNotFound);
     EXPECT_EQ(refusal(live.end(who, session)), ProblemKind::kNotFound);
   }
   for (const std::string& none : {std::string("no id"), new_id()}) {
-    EXPECT_EQ(refusal(live.make(owner, none, {})), ProblemKind::kNotFound);
+    EXPECT_EQ(refusal(live.make(owner, none, false, {})), ProblemKind::kNotFound);
     EXPECT_EQ(refusal(live.end(owner, none)), ProblemKind::kNotFound);
   }
   EXPECT_EQ(links.links.size(), 1u);
@@ -103,11 +105,13 @@ TEST_F(LiveLinksTest, SessionsOfOthersAreNotFound) {
 }
 
 TEST_F(LiveLinksTest, EachFailureToCreateALinkHasItsOwnError) {
-  for (const auto& [code, kind] : {std::pair(ErrorCode::kNotFound, ProblemKind::kNotFound),
-                                   std::pair(ErrorCode::kConflict, ProblemKind::kConflict),
-                                   std::pair(ErrorCode::kTooMany, ProblemKind::kTooMany)}) {
+  for (const auto& [code, kind] :
+       {std::pair(ErrorCode::kNotFound, ProblemKind::kNotFound),
+        std::pair(ErrorCode::kConflict, ProblemKind::kConflict),
+        std::pair(ErrorCode::kInvalid, ProblemKind::kIdempotencyKeyReused),
+        std::pair(ErrorCode::kTooMany, ProblemKind::kTooMany)}) {
     links.break_function("make", code);
-    EXPECT_EQ(refusal(live.make(owner, session, {})), kind);
+    EXPECT_EQ(refusal(live.make(owner, session, false, {})), kind);
   }
 }
 
@@ -140,6 +144,28 @@ TEST_F(LiveLinksTest, AGuestJoinsTheSessionOfItsOwnerWithinTheVisitorsShare) {
   EXPECT_FALSE(request.slices);
 }
 
+TEST_F(LiveLinksTest, EachLinkHasItsOwnPermissionAndNoMoreThanItsHost) {
+  const std::string narrow = make_link();
+  const std::string wide = live.make(owner, session, true, {}).value();
+  const auto slices = [&](const std::string& token) {
+    EXPECT_TRUE(join(token));
+    return placement.requests.back().slices;
+  };
+  EXPECT_FALSE(slices(narrow));
+  EXPECT_TRUE(slices(wide));
+  EXPECT_FALSE(slices(narrow));
+
+  expose(Exposure::kPublic);
+  const std::string hosted = new_id();
+  placement.add_session(hosted, stranger.user_id, id);
+  EXPECT_EQ(invalid_field(live.make(stranger, hosted, true, {})), "slices");
+  scan().to_public.slices = true;
+  const std::string of_stranger = live.make(stranger, hosted, true, {}).value();
+  EXPECT_TRUE(slices(of_stranger));
+  scan().to_public.slices = false;
+  EXPECT_FALSE(slices(of_stranger)) << "the owner has withdrawn the slices";
+}
+
 TEST_F(LiveLinksTest, TheOwnerSeesThatAGuestJoined) {
   const auto joined = join(make_link());
   ASSERT_TRUE(joined);
@@ -164,7 +190,7 @@ TEST_F(LiveLinksTest, ReturningGuestIsTheSameParticipant) {
   EXPECT_NE(join(token, "other key")->participant, participant);
   const std::string other = new_id();
   placement.add_session(other, owner.user_id, id);
-  EXPECT_NE(join(live.make(owner, other, {}).value())->participant, participant)
+  EXPECT_NE(join(live.make(owner, other, false, {}).value())->participant, participant)
       << "sessions cannot be related by their guests";
 }
 
@@ -189,7 +215,7 @@ TEST_F(LiveLinksTest, LimitsJoinsPerLinkTo960PerQuarterHour) {
 TEST_F(LiveLinksTest, LinkEndsWhenTheOwnerLosesAccessToTheScan) {
   expose(Exposure::kPublic);
   placement.add_session(session, stranger.user_id, id);
-  const std::string token = live.make(stranger, session, {}).value();
+  const std::string token = live.make(stranger, session, false, {}).value();
   ASSERT_TRUE(join(token));
   expose(Exposure::kPrivate);
   EXPECT_EQ(refusal(join(token)), ProblemKind::kNotFound);
@@ -218,7 +244,7 @@ TEST_F(LiveLinksTest, EachPlacementFailureHasItsOwnError) {
 
 TEST_F(LiveLinksTest, ReportsAnUnavailableStore) {
   const std::string token = make_link();
-  const auto make = [&] { return refusal(live.make(owner, session, {})); };
+  const auto make = [&] { return refusal(live.make(owner, session, false, {})); };
   const auto end = [&] { return refusal(live.end(owner, session)); };
   expect_unavailable({
       {placement, "find", make},

@@ -10,7 +10,14 @@ std::vector<Route> live_routes(LiveLinks& links, const RequestRouter& router) {
                                       const Principal& who) -> Outcome<Response> {
     const auto once = idempotency_scope_of(request, router);
     DIAPHANE_TRY(once);
-    const auto token = links.make(who, request.parameter("session_id"), *once);
+    bool slices = false;
+    // The body is optional: without its type, there is none.
+    if (!request.body.empty() || !request.header("content-type").empty()) {
+      Fields in(request);
+      slices = in.optional_boolean("slices").value_or(false);
+      if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    }
+    const auto token = links.make(who, request.parameter("session_id"), slices, *once);
     DIAPHANE_TRY(token);
     return json_response(201, {{"token", *token}, {"path", "/join#" + *token}});
   };

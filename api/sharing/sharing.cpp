@@ -17,6 +17,10 @@ tl::unexpected<Problem> no_such_link() {
   return refuse(ProblemKind::kNotFound, "This link is invalid or has been disabled.");
 }
 
+tl::unexpected<Problem> no_such_person() {
+  return refuse(ProblemKind::kNotFound, "This scan is not shared with this person.");
+}
+
 tl::unexpected<Problem> no_place_for_visitors() {
   return refuse(ProblemKind::kBusy,
                 "All guest places are taken. Try again in a few minutes, or sign up.",
@@ -70,7 +74,8 @@ Outcome<std::vector<SharedPerson>> Sharing::people(const Principal& who, const s
 }
 
 Outcome<void> Sharing::share_with(const Principal& who, const std::string& id,
-                                  const std::string& email, bool may_save) {
+                                  const std::string& email, bool may_save,
+                                  const Permissions& allowed) {
   if (!is_email(email)) return refuse_field("email", "Enter a valid email address.");
   DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   const std::string key = email_key(email);
@@ -87,22 +92,31 @@ Outcome<void> Sharing::share_with(const Principal& who, const std::string& id,
   const auto name = parts_.store.public_name(who.user_id);
   if (!name) return refuse(name.error());
   const auto added = parts_.store.share_with(
-      id, {new_id(), key, may_save, now}, options_.people,
+      id, {new_id(), key, may_save, allowed, now}, options_.people,
       mails::invitation(email, *name, who.email, options_.public_url + "/scans"));
   if (!added) return refuse(added.error());
-  if (*added) parts_.signals.raise(Signal::kMail);
+  if (added->added) parts_.signals.raise(Signal::kMail);
+  if (!added->narrowed_user_id.empty()) end_sessions_of(id, added->narrowed_user_id);
+  return {};
+}
+
+Outcome<void> Sharing::change_person(const Principal& who, const std::string& id,
+                                     const std::string& person_id, const PersonChange& change) {
+  DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
+  if (!is_id(person_id)) return no_such_person();
+  const auto changed = parts_.store.change_person(id, person_id, change, parts_.clock.wall());
+  if (!changed && changed.error().code == ErrorCode::kNotFound) return no_such_person();
+  if (!changed) return refuse(changed.error());
+  if (!changed->narrowed_user_id.empty()) end_sessions_of(id, changed->narrowed_user_id);
   return {};
 }
 
 Outcome<void> Sharing::unshare(const Principal& who, const std::string& id,
                                const std::string& person_id) {
   DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
-  const auto nobody = [] {
-    return refuse(ProblemKind::kNotFound, "This scan is not shared with this person.");
-  };
-  if (!is_id(person_id)) return nobody();
+  if (!is_id(person_id)) return no_such_person();
   const auto done = parts_.store.unshare(id, person_id, parts_.clock.wall());
-  if (!done && done.error().code == ErrorCode::kNotFound) return nobody();
+  if (!done && done.error().code == ErrorCode::kNotFound) return no_such_person();
   if (!done) return refuse(done.error());
   end_lost_sessions(id);
   return {};
@@ -116,16 +130,17 @@ Outcome<std::vector<DataSetLink>> Sharing::links(const Principal& who, const std
 }
 
 Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::string& id,
-                                             std::chrono::hours life, bool slices,
+                                             std::chrono::hours life, const Permissions& allowed,
                                              const IdempotencyScope& once) {
   DIAPHANE_TRY(parts_.data_sets.authorise(who, id, Action::kShare));
   const auto now = parts_.clock.wall();
-  const NewLink created{{new_id(), now, now + life, slices}, token_for("link\n" + id, once)};
+  const NewLink created{{new_id(), now, now + life, allowed}, token_for("link\n" + id, once)};
   std::optional<IdempotencyKey> key;
   if (!once.key.empty()) {
     key = IdempotencyKey{
         "createDataSetLink", once.key,
-        blake2b(id + "\n" + std::to_string(life.count()) + (slices ? "\nslices" : ""))};
+        blake2b(id + "\n" + std::to_string(life.count()) + (allowed.slices ? "\nslices" : "") +
+                (allowed.downloads ? "\ndownloads" : ""))};
   }
   const auto made = parts_.store.make_link(id, created.link, blake2b(created.token), options_.links,
                                            who.user_id, key);
@@ -153,20 +168,24 @@ Outcome<void> Sharing::end_link(const Principal& who, const std::string& id,
   return {};
 }
 
-Outcome<DataSet> Sharing::publish(const Principal& who, const std::string& id, bool slices) {
+Outcome<DataSet> Sharing::publish(const Principal& who, const std::string& id,
+                                  const Permissions& allowed) {
   const auto mine = parts_.data_sets.authorise(who, id, Action::kPublish);
   if (!mine) return mine;
   if (mine->state != DataSetState::kReady) {
     return refuse(ProblemKind::kNotReady, "A scan can be made public only once it is ready.");
   }
-  const auto done = parts_.store.publish(id, slices, parts_.clock.wall());
+  const auto done = parts_.store.publish(id, allowed, parts_.clock.wall());
   if (!done) return refuse(done.error());
   if (!*done) {
     return refuse(ProblemKind::kNotAnonymised,
                   "Before you make a scan public, remove anything that could identify the person "
                   "and confirm it.");
   }
-  if (mine->has_public_slices() && !slices) end_public_sessions(id);
+  const Permissions before = mine->allowed_to_public();
+  if ((before.slices && !allowed.slices) || (before.downloads && !allowed.downloads)) {
+    end_public_sessions(id);
+  }
   return parts_.data_sets.find(who, id);
 }
 
@@ -217,6 +236,15 @@ void Sharing::end_lost_sessions(const std::string& id) {
   end_sessions_unless(id, [](const DataSet&) { return true; });
 }
 
+void Sharing::end_sessions_of(const std::string& id, const std::string& user_id) {
+  const auto failed = [&] { log::warning("failed to end sessions", {{"data_set", id}}); };
+  const auto sessions = parts_.placement.sessions_on(id);
+  if (!sessions) return failed();
+  for (const SessionInfo& session : *sessions) {
+    if (session.user_id == user_id && !parts_.placement.end(session.id)) failed();
+  }
+}
+
 void Sharing::end_public_sessions(const std::string& id) {
   end_sessions_unless(id, [](const DataSet& visible) { return visible.role != Role::kOther; });
 }
@@ -254,7 +282,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const auto now = parts_.clock.wall();
   const std::string visitor = id_from("visitor\n" + key);
   Visit visit;
-  bool slices = true;  // everyone can get slices of a sample
+  Permissions allowed{true, true};  // everyone can get all of a sample
   visit.address_hash = blake2b("visit:" + client.address);
   if (token.empty()) {
     const auto sample = parts_.data_sets.find_ready(Principal{}, data_set_id);
@@ -266,7 +294,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
     DIAPHANE_TRY(followed);
     visit.data_set_id = followed->data_set.id;
     visit.link_id = followed->link.id;
-    slices = followed->link.slices;
+    allowed = followed->link.allowed;
     visit.expires_at = std::min(followed->link.expires_at, Time(now + options_.link_life));
   }
   // The ID includes the link, so that the same key with another link is another visit.
@@ -288,7 +316,8 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   PlaceRequest request{visit.session_id, visitor, visit.data_set_id};
   request.first_scene = first_scene_(visit.data_set_id);
   request.viewer = token.empty() ? SessionViewer::kSampleVisitor : SessionViewer::kLinkVisitor;
-  request.slices = slices;
+  request.slices = allowed.slices;
+  request.downloads = allowed.downloads;
   request.visitor = true;
   request.visitor_from = visit.address_hash;
   const auto placed = parts_.placement.place(request);

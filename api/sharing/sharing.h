@@ -51,7 +51,10 @@ class Sharing {
   /// Shares with an address. Gives the same answer whether or not it has an account. Returns
   /// kInvalid, kTooMany or kTooManyAttempts.
   Outcome<void> share_with(const Principal& who, const std::string& id, const std::string& email,
-                           bool may_save);
+                           bool may_save, const Permissions& allowed);
+  /// Changes what a person may do. Ends their sessions if they lose slices or downloads.
+  Outcome<void> change_person(const Principal& who, const std::string& id,
+                              const std::string& person_id, const PersonChange& change);
   Outcome<void> unshare(const Principal& who, const std::string& id, const std::string& person_id);
 
   Outcome<std::vector<DataSetLink>> links(const Principal& who, const std::string& id);
@@ -59,13 +62,13 @@ class Sharing {
   /// and kConflict in another browser or once the link is disabled. Returns kTooMany or
   /// kIdempotencyKeyReused.
   Outcome<NewLink> make_link(const Principal& who, const std::string& id, std::chrono::hours life,
-                             bool slices, const IdempotencyScope& once);
+                             const Permissions& allowed, const IdempotencyScope& once);
   Outcome<void> end_link(const Principal& who, const std::string& id, const std::string& link_id);
 
-  /// Returns kNotAnonymised unless the owner has anonymised the scan, or kNotReady. Without
-  /// `slices`, ends the sessions of users who could get exact slices because the data set was
+  /// Returns kNotAnonymised unless the owner has anonymised the scan, or kNotReady. If slices or
+  /// downloads are withdrawn, ends the sessions of users who had them because the data set was
   /// public.
-  Outcome<DataSet> publish(const Principal& who, const std::string& id, bool slices);
+  Outcome<DataSet> publish(const Principal& who, const std::string& id, const Permissions& allowed);
   Outcome<DataSet> make_private(const Principal& who, const std::string& id);
   /// Lists public data sets, newest first. Without an account, only samples.
   Outcome<Page> gallery(const Principal& who, GalleryQuery query);
@@ -78,6 +81,8 @@ class Sharing {
   void end_lost_sessions(const std::string& id);
 
  private:
+  /// Ends the sessions of a user on a data set, who then get their new permissions.
+  void end_sessions_of(const std::string& id, const std::string& user_id);
   /// Ends the sessions of users who see the data set only because it is public.
   void end_public_sessions(const std::string& id);
   /// Ends the sessions on a data set, except those of visitors, and of users who can still see it

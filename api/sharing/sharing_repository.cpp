@@ -27,7 +27,51 @@ void note_change_of_access(pqxx::work& transaction, const std::string& data_set_
                     now);
 }
 
-AuditDetail slices_detail(bool slices) { return {"slices", std::int64_t{slices}}; }
+/// The audit log has the permissions as numbers, 1 for allowed.
+std::vector<AuditDetail> with_permissions(std::vector<AuditDetail> details,
+                                          const Permissions& allowed) {
+  details.emplace_back("slices", std::int64_t{allowed.slices});
+  details.emplace_back("downloads", std::int64_t{allowed.downloads});
+  return details;
+}
+
+Permissions permissions_in(const pqxx::row& row) {
+  return {row["slices"].as<bool>(), row["downloads"].as<bool>()};
+}
+
+DataSetLink link_in(const pqxx::row& row) {
+  return {row["id"].as<std::string>(), from_us(row["created_us"].as<std::int64_t>()),
+          from_us(row["expires_us"].as<std::int64_t>()), permissions_in(row)};
+}
+
+/// Changes what a person may do, and notes it. `person` is the ID of the permission or the key of
+/// the address. Returns nothing if the data set is not shared with them.
+std::optional<SharingStore::Shared> change_in(pqxx::work& transaction,
+                                              const std::string& data_set_id,
+                                              const std::string& person, const PersonChange& change,
+                                              Time now) {
+  const pqxx::result rows = transaction.exec_params(
+      R"sql(
+      WITH old AS (SELECT id, slices, downloads FROM data_set_people
+                    WHERE data_set_id = $1 AND (id::text = $2 OR email_key = $2) FOR UPDATE)
+      UPDATE data_set_people p
+         SET may_save = COALESCE($3::bool, p.may_save), slices = COALESCE($4::bool, p.slices),
+             downloads = COALESCE($5::bool, p.downloads)
+        FROM old WHERE p.id = old.id
+      RETURNING p.id, COALESCE(p.user_id::text, '') AS user_id, p.may_save, p.slices, p.downloads,
+                (old.slices AND NOT p.slices) OR (old.downloads AND NOT p.downloads) AS narrowed)sql",
+      data_set_id, person, change.may_save, change.slices, change.downloads);
+  if (rows.empty()) return std::nullopt;
+  const pqxx::row row = rows[0];
+  note_change_of_access(transaction, data_set_id, "data-set.shared",
+                        with_permissions({{"permission", row["id"].as<std::string>()},
+                                          {"may", row["may_save"].as<bool>() ? "save" : "view"}},
+                                         permissions_in(row)),
+                        now);
+  SharingStore::Shared changed;
+  if (row["narrowed"].as<bool>()) changed.narrowed_user_id = row["user_id"].as<std::string>();
+  return changed;
+}
 
 }  // namespace
 
@@ -35,37 +79,30 @@ Result<std::vector<SharedPerson>> SharingRepository::people(const std::string& d
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<SharedPerson>> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT id, email_key, may_save, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us
+        SELECT id, email_key, may_save, slices, downloads,
+               (extract(epoch FROM created_at) * 1000000)::bigint AS created_us
           FROM data_set_people WHERE data_set_id = $1 ORDER BY created_at, email_key)sql",
         data_set_id);
     std::vector<SharedPerson> found;
     for (const pqxx::row& row : rows) {
       found.push_back({row["id"].as<std::string>(), row["email_key"].as<std::string>(),
-                       row["may_save"].as<bool>(), from_us(row["created_us"].as<std::int64_t>())});
+                       row["may_save"].as<bool>(), permissions_in(row),
+                       from_us(row["created_us"].as<std::int64_t>())});
     }
     return found;
   });
 }
 
-Result<bool> SharingRepository::share_with(const std::string& data_set_id,
-                                           const SharedPerson& person, int most, const Mail& mail) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+Result<SharingStore::Shared> SharingRepository::share_with(const std::string& data_set_id,
+                                                           const SharedPerson& person, int most,
+                                                           const Mail& mail) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<Shared> {
     if (!lock_data_set(transaction, data_set_id))
       return fail(ErrorCode::kNotFound, "Scan not found.");
-    const auto note = [&](const std::string& permission_id) {
-      note_change_of_access(
-          transaction, data_set_id, "data-set.shared",
-          {{"permission", permission_id}, {"may", person.may_save ? "save" : "view"}},
-          person.created_at);
-    };
-    const pqxx::result known = transaction.exec_params(
-        R"sql(
-        UPDATE data_set_people SET may_save = $3 WHERE data_set_id = $1 AND email_key = $2
-        RETURNING id)sql",
-        data_set_id, person.email_key, person.may_save);
-    if (!known.empty()) {
-      note(known[0]["id"].as<std::string>());
-      return false;
+    const PersonChange change{person.may_save, person.allowed.slices, person.allowed.downloads};
+    if (auto known =
+            change_in(transaction, data_set_id, person.email_key, change, person.created_at)) {
+      return *std::move(known);
     }
     const auto count = transaction.exec_params1(
         "SELECT count(*) AS people FROM data_set_people WHERE data_set_id = $1", data_set_id);
@@ -74,17 +111,33 @@ Result<bool> SharingRepository::share_with(const std::string& data_set_id,
                   "You have reached the maximum number of people for this scan.");
     }
     transaction.exec_params0(R"sql(
-        INSERT INTO data_set_people (id, data_set_id, email_key, may_save, created_at)
-        VALUES ($1, $2, $3, $4, to_timestamp($5::bigint / 1e6)))sql",
+        INSERT INTO data_set_people (id, data_set_id, email_key, may_save, created_at, slices, downloads)
+        VALUES ($1, $2, $3, $4, to_timestamp($5::bigint / 1e6), $6, $7))sql",
                              person.id, data_set_id, person.email_key, person.may_save,
-                             to_us(person.created_at));
+                             to_us(person.created_at), person.allowed.slices,
+                             person.allowed.downloads);
     // Grants access at once if the address has a confirmed account.
     const pqxx::result existing =
         transaction.exec_params("SELECT id FROM users WHERE email_key = $1", person.email_key);
     if (!existing.empty()) accept_invitations(transaction, existing[0]["id"].as<std::string>());
     queue_mail(transaction, mail, person.created_at);
-    note(person.id);
-    return true;
+    note_change_of_access(
+        transaction, data_set_id, "data-set.shared",
+        with_permissions({{"permission", person.id}, {"may", person.may_save ? "save" : "view"}},
+                         person.allowed),
+        person.created_at);
+    return Shared{true, {}};
+  });
+}
+
+Result<SharingStore::Shared> SharingRepository::change_person(const std::string& data_set_id,
+                                                              const std::string& person_id,
+                                                              const PersonChange& change,
+                                                              Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<Shared> {
+    auto changed = change_in(transaction, data_set_id, person_id, change, now);
+    if (!changed) return fail(ErrorCode::kNotFound, "This scan is not shared with this person.");
+    return *std::move(changed);
   });
 }
 
@@ -108,15 +161,12 @@ Result<std::vector<DataSetLink>> SharingRepository::links(const std::string& dat
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
-               (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us, slices
+               (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us, slices, downloads
           FROM data_set_links WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6)
          ORDER BY created_at, id)sql",
         data_set_id, to_us(now));
     std::vector<DataSetLink> found;
-    for (const pqxx::row& row : rows) {
-      found.push_back({row["id"].as<std::string>(), from_us(row["created_us"].as<std::int64_t>()),
-                       from_us(row["expires_us"].as<std::int64_t>()), row["slices"].as<bool>()});
-    }
+    for (const pqxx::row& row : rows) found.push_back(link_in(row));
     return found;
   });
 }
@@ -131,14 +181,11 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
       const pqxx::result existing = transaction.exec_params(
           R"sql(
           SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
-                 (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us, slices
+                 (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us, slices, downloads
             FROM data_set_links WHERE id = $1 AND token_hash = $2)sql",
           std::get<Created>(*before).id, token_hash);
       if (existing.empty()) return fail(ErrorCode::kConflict, "The link can't be shown again.");
-      return DataSetLink{existing[0]["id"].as<std::string>(),
-                         from_us(existing[0]["created_us"].as<std::int64_t>()),
-                         from_us(existing[0]["expires_us"].as<std::int64_t>()),
-                         existing[0]["slices"].as<bool>()};
+      return link_in(existing[0]);
     }
     if (!lock_data_set(transaction, data_set_id))
       return fail(ErrorCode::kNotFound, "Scan not found.");
@@ -153,15 +200,15 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
     // A key whose record has expired still derives the token of its link, which may still exist.
     const pqxx::result made = transaction.exec_params(
         R"sql(
-        INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at, slices)
-        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6), $6)
+        INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at, slices, downloads)
+        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6), $6, $7)
         ON CONFLICT (token_hash) DO NOTHING RETURNING 1)sql",
         link.id, data_set_id, token_hash, to_us(link.created_at), to_us(link.expires_at),
-        link.slices);
+        link.allowed.slices, link.allowed.downloads);
     if (made.empty()) return fail(ErrorCode::kConflict, "The link can't be created again.");
     note_made(transaction, owner_id, key, link.id, link.created_at);
     note_change_of_access(transaction, data_set_id, "data-set.link-made",
-                          {{"link", link.id}, slices_detail(link.slices)}, link.created_at);
+                          with_permissions({{"link", link.id}}, link.allowed), link.created_at);
     return link;
   });
 }
@@ -183,8 +230,9 @@ Result<SharingStore::Followed> SharingRepository::follow(const std::string& toke
   return database_.read([&](pqxx::work& transaction) -> Result<Followed> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT l.id AS link_id, (extract(epoch FROM l.created_at) * 1000000)::bigint AS created_us,
-               (extract(epoch FROM l.expires_at) * 1000000)::bigint AS expires_us, d.id AS data_set_id, d.owner_id, l.slices
+        SELECT l.id, (extract(epoch FROM l.created_at) * 1000000)::bigint AS created_us,
+               (extract(epoch FROM l.expires_at) * 1000000)::bigint AS expires_us, d.id AS data_set_id, d.owner_id, l.slices,
+               l.downloads
           FROM data_set_links l JOIN data_sets d ON d.id = l.data_set_id
          WHERE l.token_hash = $1 AND l.expires_at > to_timestamp($2::bigint / 1e6)
            AND d.state = 'ready' AND d.taken_down_at IS NULL)sql",
@@ -194,28 +242,26 @@ Result<SharingStore::Followed> SharingRepository::follow(const std::string& toke
         std::string(kSelectDataSet) + " AND d.id = $4", rows[0]["owner_id"].c_str(), false, false,
         rows[0]["data_set_id"].as<std::string>());
     if (data_set.empty()) return fail(ErrorCode::kNotFound, "Link not found.");
-    Followed followed{
-        {rows[0]["link_id"].as<std::string>(), from_us(rows[0]["created_us"].as<std::int64_t>()),
-         from_us(rows[0]["expires_us"].as<std::int64_t>()), rows[0]["slices"].as<bool>()},
-        read_data_set(data_set[0])};
+    Followed followed{link_in(rows[0]), read_data_set(data_set[0])};
     followed.data_set.role = Role::kSharedView;
     return followed;
   });
 }
 
-Result<bool> SharingRepository::publish(const std::string& data_set_id, bool slices, Time now) {
+Result<bool> SharingRepository::publish(const std::string& data_set_id, const Permissions& allowed,
+                                        Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result done = transaction.exec_params(
         R"sql(
         UPDATE data_sets
            SET visibility = 'public', published_at = COALESCE(published_at, to_timestamp($2::bigint / 1e6)),
-               updated_at = to_timestamp($2::bigint / 1e6), public_slices = $3
+               updated_at = to_timestamp($2::bigint / 1e6), public_slices = $3, public_downloads = $4
          WHERE id = $1 AND state = 'ready' AND anonymised_at IS NOT NULL AND taken_down_at IS NULL
         RETURNING 1)sql",
-        data_set_id, to_us(now), slices);
+        data_set_id, to_us(now), allowed.slices, allowed.downloads);
     if (done.empty()) return false;
-    note_change_of_access(transaction, data_set_id, "data-set.published", {slices_detail(slices)},
-                          now);
+    note_change_of_access(transaction, data_set_id, "data-set.published",
+                          with_permissions({}, allowed), now);
     return true;
   });
 }
@@ -225,6 +271,7 @@ Result<void> SharingRepository::make_private(const std::string& data_set_id, Tim
     const pqxx::result done = transaction.exec_params(
         R"sql(
         UPDATE data_sets SET visibility = 'private', published_at = NULL, public_slices = false,
+                             public_downloads = false,
                              updated_at = to_timestamp($2::bigint / 1e6)
          WHERE id = $1 AND NOT is_sample AND visibility = 'public'
         RETURNING 1)sql",

@@ -11,8 +11,10 @@ class SharingRepository final : public SharingStore {
   explicit SharingRepository(Database& database) : database_(database) {}
 
   Result<std::vector<SharedPerson>> people(const std::string& data_set_id) override;
-  Result<bool> share_with(const std::string& data_set_id, const SharedPerson& person, int most,
-                          const Mail& mail) override;
+  Result<Shared> share_with(const std::string& data_set_id, const SharedPerson& person, int most,
+                            const Mail& mail) override;
+  Result<Shared> change_person(const std::string& data_set_id, const std::string& person_id,
+                               const PersonChange& change, Time now) override;
   Result<void> unshare(const std::string& data_set_id, const std::string& person_id,
                        Time now) override;
   Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) override;
@@ -22,7 +24,8 @@ class SharingRepository final : public SharingStore {
   Result<void> end_link(const std::string& data_set_id, const std::string& link_id,
                         Time now) override;
   Result<Followed> follow(const std::string& token_hash, Time now) override;
-  Result<bool> publish(const std::string& data_set_id, bool slices, Time now) override;
+  Result<bool> publish(const std::string& data_set_id, const Permissions& allowed,
+                       Time now) override;
   Result<void> make_private(const std::string& data_set_id, Time now) override;
   Result<std::vector<DataSet>> gallery(const Viewer& viewer, const GalleryQuery& query) override;
   Result<std::string> public_name(const std::string& user_id) override;

@@ -15,6 +15,8 @@ nlohmann::ordered_json to_json(const SharedPerson& person) {
   return {{"id", person.id},
           {"email", person.email_key},
           {"may", person.may_save ? "save" : "view"},
+          {"slices", person.allowed.slices},
+          {"downloads", person.allowed.downloads},
           {"created_at", rfc3339(person.created_at)}};
 }
 
@@ -22,7 +24,16 @@ nlohmann::ordered_json to_json(const DataSetLink& link) {
   return {{"id", link.id},
           {"created_at", rfc3339(link.created_at)},
           {"expires_at", rfc3339(link.expires_at)},
-          {"slices", link.slices}};
+          {"slices", link.allowed.slices},
+          {"downloads", link.allowed.downloads}};
+}
+
+/// Reads "slices" and "downloads", which default to `otherwise`.
+Permissions permissions_in(Fields& in, bool otherwise) {
+  Permissions allowed;
+  allowed.slices = in.optional_boolean("slices").value_or(otherwise);
+  allowed.downloads = in.optional_boolean("downloads").value_or(otherwise);
+  return allowed;
 }
 
 template <typename Item>
@@ -70,9 +81,23 @@ std::vector<Route> people_routes(Sharing& sharing) {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
     const std::string right = in.choice("may", kRights);
+    const Permissions allowed = permissions_in(in, true);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done =
-        sharing.share_with(who, request.parameter("data_set_id"), email, right == "save");
+        sharing.share_with(who, request.parameter("data_set_id"), email, right == "save", allowed);
+    DIAPHANE_TRY(done);
+    return empty_response(204);
+  };
+  const auto change = [&sharing](const Request& request,
+                                 const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    PersonChange to;
+    if (in.has("may")) to.may_save = in.choice("may", kRights) == "save";
+    to.slices = in.optional_boolean("slices");
+    to.downloads = in.optional_boolean("downloads");
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto done = sharing.change_person(who, request.parameter("data_set_id"),
+                                            request.parameter("person_id"), to);
     DIAPHANE_TRY(done);
     return empty_response(204);
   };
@@ -87,6 +112,7 @@ std::vector<Route> people_routes(Sharing& sharing) {
   return {
       {"GET", people, "listPeople", Access::kPerson, list, {}},
       {"POST", people, "shareWithPerson", Access::kPerson, add, {}},
+      {"PATCH", people + "/{person_id}", "changePerson", Access::kPerson, change, {}},
       {"DELETE", people + "/{person_id}", "unsharePerson", Access::kPerson, remove, {}},
   };
 }
@@ -103,9 +129,10 @@ std::vector<Route> link_routes(Sharing& sharing, const RequestRouter& router) {
     DIAPHANE_TRY(once);
     Fields in(request);
     const std::chrono::hours life(in.integer("hours", 1, kLongestLink));
-    const bool slices = in.optional_boolean("slices").value_or(false);
+    const Permissions allowed = permissions_in(in, false);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto made = sharing.make_link(who, request.parameter("data_set_id"), life, slices, *once);
+    const auto made =
+        sharing.make_link(who, request.parameter("data_set_id"), life, allowed, *once);
     DIAPHANE_TRY(made);
     auto body = to_json(made->link);
     body["token"] = made->token;
@@ -135,11 +162,11 @@ std::vector<Route> sharing_routes(Sharing& sharing, const RequestRouter& router)
   const auto show = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string visibility = in.choice("visibility", kVisibilities);
-    const bool slices = in.optional_boolean("slices").value_or(false);
+    const Permissions allowed = permissions_in(in, false);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const std::string& id = request.parameter("data_set_id");
     const auto changed =
-        visibility == "public" ? sharing.publish(who, id, slices) : sharing.make_private(who, id);
+        visibility == "public" ? sharing.publish(who, id, allowed) : sharing.make_private(who, id);
     DIAPHANE_TRY(changed);
     return json_response(200, api::to_json(*changed));
   };

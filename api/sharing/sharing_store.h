@@ -15,7 +15,13 @@ struct SharedPerson {
   std::string id;  ///< ID of the permission, not of an account
   std::string email_key;
   bool may_save = false;  ///< may save presets; otherwise view only
+  Permissions allowed{true, true};
   Time created_at;
+};
+
+/// Changes to what a person may do. Absent members stay unchanged.
+struct PersonChange {
+  std::optional<bool> may_save, slices, downloads;
 };
 
 /// A link, without its token, of which only a hash is stored.
@@ -23,7 +29,7 @@ struct DataSetLink {
   std::string id;
   Time created_at;
   Time expires_at;
-  bool slices = false;  ///< visitors can get exact slices
+  Permissions allowed = {};
 };
 
 struct GalleryQuery {
@@ -57,10 +63,17 @@ class SharingStore {
   virtual ~SharingStore() = default;
 
   virtual Result<std::vector<SharedPerson>> people(const std::string& data_set_id) = 0;
-  /// Adds a person or changes the permission of an existing one. Queues the email for a new person.
-  /// Returns kTooMany if there are already `most`, and false for an existing person.
-  virtual Result<bool> share_with(const std::string& data_set_id, const SharedPerson& person,
-                                  int most, const Mail& mail) = 0;
+  struct Shared {
+    bool added = false;            ///< the person is new, so an email was queued
+    std::string narrowed_user_id;  ///< the account that lost slices or downloads, or empty
+  };
+  /// Adds a person or changes the permission of an existing one. Returns kTooMany if there are
+  /// already `most`.
+  virtual Result<Shared> share_with(const std::string& data_set_id, const SharedPerson& person,
+                                    int most, const Mail& mail) = 0;
+  /// Changes what a person may do. Returns kNotFound if the data set is not shared with them.
+  virtual Result<Shared> change_person(const std::string& data_set_id, const std::string& person_id,
+                                       const PersonChange& change, Time now) = 0;
   /// Withdraws a permission. Returns kNotFound if it does not exist.
   virtual Result<void> unshare(const std::string& data_set_id, const std::string& person_id,
                                Time now) = 0;
@@ -82,9 +95,10 @@ class SharingStore {
   /// Returns kNotFound if the link is unknown or expired, or its data set is not visible.
   virtual Result<Followed> follow(const std::string& token_hash, Time now) = 0;
 
-  /// Makes the data set public, or changes an already public one. With `slices`, viewers may get
-  /// exact slices. Returns false if the data set is not anonymised, not ready, or taken down.
-  virtual Result<bool> publish(const std::string& data_set_id, bool slices, Time now) = 0;
+  /// Makes the data set public, or changes what is allowed for an already public one. Returns false
+  /// if the data set is not anonymised, not ready, or taken down.
+  virtual Result<bool> publish(const std::string& data_set_id, const Permissions& allowed,
+                               Time now) = 0;
   virtual Result<void> make_private(const std::string& data_set_id, Time now) = 0;
   virtual Result<std::vector<DataSet>> gallery(const Viewer& viewer, const GalleryQuery& query) = 0;
 

@@ -22,11 +22,12 @@ class SharingTest : public DataSetFixture {
     signals.subscribe(Signal::kMail, [this] { ++woken; });
   }
   Refusal share(const std::string& email) {
-    return refusal(sharing.share_with(owner, id, email, false));
+    return refusal(sharing.share_with(owner, id, email, false, {true, true}));
   }
   Outcome<Sharing::NewLink> make_link(const IdempotencyScope& once = {},
-                                      std::chrono::hours life = 24h, bool slices = false) {
-    return sharing.make_link(owner, id, life, slices, once);
+                                      std::chrono::hours life = 24h,
+                                      const Permissions& allowed = {}) {
+    return sharing.make_link(owner, id, life, allowed, once);
   }
 
   FakeSharingStore store;
@@ -46,22 +47,25 @@ TEST_F(SharingTest, OnlyTheOwnerSeesAndChangesWhoHasAccess) {
   expect_permission(Action::kShare,
                     [&](const Principal& who) { return refusal(sharing.people(who, id)); });
   expect_permission(Action::kShare, [&](const Principal& who) {
-    return refusal(sharing.share_with(who, id, "friend@example.org", true));
+    return refusal(sharing.share_with(who, id, "friend@example.org", true, {}));
+  });
+  expect_permission(Action::kShare, [&](const Principal& who) {
+    return owns(sharing.change_person(who, id, nobody, {}));
   });
   expect_permission(Action::kShare,
                     [&](const Principal& who) { return owns(sharing.unshare(who, id, nobody)); });
   expect_permission(Action::kShare,
                     [&](const Principal& who) { return refusal(sharing.links(who, id)); });
   expect_permission(Action::kShare, [&](const Principal& who) {
-    return refusal(sharing.make_link(who, id, 1h, false, {}));
+    return refusal(sharing.make_link(who, id, 1h, {}, {}));
   });
   expect_permission(Action::kShare,
                     [&](const Principal& who) { return owns(sharing.end_link(who, id, nobody)); });
 }
 
 TEST_F(SharingTest, APersonGetsOneInvitationAndThenTheirPermissionChanges) {
-  ASSERT_TRUE(sharing.share_with(owner, id, "Friend@example.org", false));
-  ASSERT_TRUE(sharing.share_with(owner, id, "friend@EXAMPLE.org", true));
+  ASSERT_TRUE(sharing.share_with(owner, id, "Friend@example.org", false, {true, true}));
+  ASSERT_TRUE(sharing.share_with(owner, id, "friend@EXAMPLE.org", true, {false, true}));
   EXPECT_EQ(store.invitations.size(), 1u);
   EXPECT_EQ(woken, 1);
   const auto people = sharing.people(owner, id);
@@ -69,6 +73,8 @@ TEST_F(SharingTest, APersonGetsOneInvitationAndThenTheirPermissionChanges) {
   EXPECT_TRUE(is_id(people->at(0).id));
   EXPECT_EQ(people->at(0).email_key, "friend@example.org");
   EXPECT_TRUE(people->at(0).may_save);
+  EXPECT_FALSE(people->at(0).allowed.slices);
+  EXPECT_TRUE(people->at(0).allowed.downloads);
   EXPECT_EQ(people->at(0).created_at, clock.wall());
   EXPECT_EQ(store.most_people, 50);
 }
@@ -90,14 +96,14 @@ TEST_F(SharingTest, AnInvitationNamesItsSenderAndNotTheScan) {
 
 TEST_F(SharingTest, RefusesSharingWithTheOwnerOrAnInvalidAddress) {
   for (const char* bad : {"", "friend", "OWNER@example.org"}) {
-    EXPECT_EQ(invalid_field(sharing.share_with(owner, id, bad, false)), "email") << bad;
+    EXPECT_EQ(invalid_field(sharing.share_with(owner, id, bad, false, {})), "email") << bad;
   }
   EXPECT_THAT(store.people_by_key, IsEmpty());
 }
 
 TEST_F(SharingTest, LimitsInvitationsToFortyPerDay) {
   for (int i = 0; i < 40; ++i) ASSERT_EQ(share(std::to_string(i) + "@example.org"), Refusal());
-  const auto refused = sharing.share_with(owner, id, "friend@example.org", false);
+  const auto refused = sharing.share_with(owner, id, "friend@example.org", false, {});
   ASSERT_EQ(refusal(refused), ProblemKind::kTooManyAttempts);
   EXPECT_GT(refused.error().retry_after, 0s);
   EXPECT_EQ(store.invitations.size(), 40u);
@@ -111,6 +117,35 @@ TEST_F(SharingTest, AFullListIsReported) {
   EXPECT_EQ(woken, 0);
   store.break_function("make_link", ErrorCode::kTooMany);
   EXPECT_EQ(refusal(make_link()), ProblemKind::kTooMany);
+}
+
+TEST_F(SharingTest, LosingSlicesOrDownloadsEndsOnlyTheSessionsOfThatPerson) {
+  ASSERT_EQ(share("friend@example.org"), Refusal());
+  store.accounts["friend@example.org"] = "friend";
+  const std::string person = sharing.people(owner, id)->at(0).id;
+  placement.add_session("theirs", "friend", id);
+  placement.add_session("elsewhere", "friend", add_scan());
+  placement.add_session("shared", shared.user_id, id);
+  const auto change = [&](const PersonChange& to) {
+    placement.ended.clear();
+    EXPECT_TRUE(sharing.change_person(owner, id, person, to));
+    return placement.ended;
+  };
+  EXPECT_THAT(change({.may_save = true}), IsEmpty());
+  EXPECT_TRUE(sharing.people(owner, id)->at(0).may_save);
+  EXPECT_THAT(change({.slices = false}), ElementsAre("theirs"));
+  EXPECT_FALSE(sharing.people(owner, id)->at(0).allowed.slices);
+  EXPECT_TRUE(sharing.people(owner, id)->at(0).allowed.downloads);
+  placement.add_session("theirs", "friend", id);
+  EXPECT_THAT(change({.slices = true}), IsEmpty()) << "more is allowed when they open it again";
+  EXPECT_THAT(change({.downloads = false}), ElementsAre("theirs"));
+  placement.add_session("theirs", "friend", id);
+  placement.ended.clear();
+  ASSERT_TRUE(sharing.share_with(owner, id, "friend@example.org", true, {false, false}));
+  EXPECT_THAT(placement.ended, ElementsAre("theirs"));
+  for (const std::string& none : {std::string("no id"), new_id()}) {
+    EXPECT_EQ(refusal(sharing.change_person(owner, id, none, {})), ProblemKind::kNotFound);
+  }
 }
 
 TEST_F(SharingTest, WithdrawingAccessEndsTheSessionsOfThoseWhoLostItAndNoOthers) {
@@ -165,17 +200,19 @@ TEST_F(SharingTest, FailureToEndOneSessionDoesNotKeepOthersOpen) {
 }
 
 TEST_F(SharingTest, LinkIsStoredAsAHashAndExpiresAsRequested) {
-  const auto made = make_link({}, 48h, true);
+  const auto made = make_link({}, 48h, {true, true});
   ASSERT_TRUE(made);
   EXPECT_TRUE(is_token(made->token));
   EXPECT_TRUE(is_id(made->link.id));
   EXPECT_EQ(made->link.created_at, clock.wall());
   EXPECT_EQ(made->link.expires_at, clock.wall() + 48h);
-  EXPECT_TRUE(made->link.slices);
+  EXPECT_TRUE(made->link.allowed.slices);
+  EXPECT_TRUE(made->link.allowed.downloads);
   ASSERT_EQ(store.all_links.size(), 1u);
   EXPECT_EQ(store.all_links[0].token_hash, blake2b(made->token));
   EXPECT_EQ(store.most_links, 10);
-  EXPECT_FALSE(make_link()->link.slices);
+  EXPECT_FALSE(make_link()->link.allowed.slices);
+  EXPECT_FALSE(make_link()->link.allowed.downloads);
   clock.advance(48h - 1s);
   EXPECT_EQ(sharing.links(owner, id)->size(), 1u);
   clock.advance(1s);
@@ -198,8 +235,11 @@ TEST_F(SharingTest, ARepeatedRequestWithItsKeyReturnsTheSameLinkInTheSameBrowser
 TEST_F(SharingTest, RefusesAKeyReusedForAnotherScanOrKindOfLink) {
   ASSERT_TRUE(make_link({"key", "browser"}));
   EXPECT_EQ(refusal(make_link({"key", "browser"}, 25h)), ProblemKind::kIdempotencyKeyReused);
-  EXPECT_EQ(refusal(make_link({"key", "browser"}, 24h, true)), ProblemKind::kIdempotencyKeyReused);
-  EXPECT_EQ(refusal(sharing.make_link(owner, add_scan(), 24h, false, {"key", "browser"})),
+  for (const Permissions& other : {Permissions{true, false}, Permissions{false, true}}) {
+    EXPECT_EQ(refusal(make_link({"key", "browser"}, 24h, other)),
+              ProblemKind::kIdempotencyKeyReused);
+  }
+  EXPECT_EQ(refusal(sharing.make_link(owner, add_scan(), 24h, {}, {"key", "browser"})),
             ProblemKind::kIdempotencyKeyReused);
 }
 
@@ -215,33 +255,38 @@ TEST_F(SharingTest, EndingALinkEndsTheSessionsOfItsVisitors) {
 
 TEST_F(SharingTest, OnlyTheOwnerPublishesAndMakesPrivate) {
   expect_permission(Action::kPublish,
-                    [&](const Principal& who) { return refusal(sharing.publish(who, id, false)); });
+                    [&](const Principal& who) { return refusal(sharing.publish(who, id, {})); });
   expect_permission(Action::kPublish,
                     [&](const Principal& who) { return refusal(sharing.make_private(who, id)); });
 }
 
 TEST_F(SharingTest, OnlyAnAnonymisedScanThatIsReadyBecomesPublic) {
   scan().state = DataSetState::kBuilding;
-  EXPECT_EQ(refusal(sharing.publish(owner, id, false)), ProblemKind::kNotReady);
+  EXPECT_EQ(refusal(sharing.publish(owner, id, {})), ProblemKind::kNotReady);
   scan().state = DataSetState::kReady;
   store.anonymised = false;
-  EXPECT_EQ(refusal(sharing.publish(owner, id, false)), ProblemKind::kNotAnonymised);
-  EXPECT_FALSE(store.published_slices);
+  EXPECT_EQ(refusal(sharing.publish(owner, id, {})), ProblemKind::kNotAnonymised);
+  EXPECT_FALSE(store.published);
   store.anonymised = true;
-  EXPECT_EQ(sharing.publish(owner, id, true)->id, id);
-  EXPECT_EQ(store.published_slices, true);
+  EXPECT_EQ(sharing.publish(owner, id, {true, false})->id, id);
+  EXPECT_TRUE(store.published->slices);
+  EXPECT_FALSE(store.published->downloads);
 }
 
-TEST_F(SharingTest, WithdrawingExactSlicesEndsPublicSessions) {
+TEST_F(SharingTest, WithdrawingSlicesOrDownloadsEndsPublicSessions) {
   expose(Exposure::kPublic);
   placement.add_session("public", stranger.user_id, id);
   placement.add_session("shared", shared.user_id, id);
   placement.add_session("owned", owner.user_id, id);
-  ASSERT_TRUE(sharing.publish(owner, id, true));
-  scan().public_slices = true;
-  ASSERT_TRUE(sharing.publish(owner, id, true));
+  ASSERT_TRUE(sharing.publish(owner, id, {true, true}));
+  scan().to_public = {true, true};
+  ASSERT_TRUE(sharing.publish(owner, id, {true, true}));
   EXPECT_THAT(placement.ended, IsEmpty());
-  ASSERT_TRUE(sharing.publish(owner, id, false));
+  ASSERT_TRUE(sharing.publish(owner, id, {false, true}));
+  EXPECT_THAT(placement.ended, ElementsAre("public"));
+  placement.add_session("public", stranger.user_id, id);
+  placement.ended.clear();
+  ASSERT_TRUE(sharing.publish(owner, id, {true, false}));
   EXPECT_THAT(placement.ended, ElementsAre("public"));
 }
 
@@ -295,7 +340,7 @@ TEST_F(SharingTest, RefusesMisleadingPublicNames) {
 
 TEST_F(SharingTest, ReportsAnUnavailableStore) {
   const auto share_again = [&] { return share("friend@example.org"); };
-  const auto publish = [&] { return refusal(sharing.publish(owner, id, false)); };
+  const auto publish = [&] { return refusal(sharing.publish(owner, id, {})); };
   const auto make_private = [&] { return refusal(sharing.make_private(owner, id)); };
   expect_unavailable({
       {data_set_store, "find", share_again},
@@ -303,6 +348,8 @@ TEST_F(SharingTest, ReportsAnUnavailableStore) {
       {store, "public_name", share_again},
       {store, "share_with", share_again},
       {store, "people", [&] { return refusal(sharing.people(owner, id)); }},
+      {store, "change_person",
+       [&] { return refusal(sharing.change_person(owner, id, new_id(), {})); }},
       {store, "unshare", [&] { return refusal(sharing.unshare(owner, id, new_id())); }},
       {store, "links", [&] { return refusal(sharing.links(owner, id)); }},
       {store, "make_link", [&] { return refusal(make_link()); }},
@@ -321,10 +368,10 @@ class VisitsTest : public DataSetFixture {
  protected:
   VisitsTest() { link = add_link(24h); }
   /// Returns the token of a new link to the scan.
-  std::string add_link(std::chrono::hours life, bool slices = false) {
+  std::string add_link(std::chrono::hours life, const Permissions& allowed = {}) {
     const std::string token = random_hex(32);
     store.all_links.push_back(
-        {{new_id(), clock.wall(), clock.wall() + life, slices}, id, blake2b(token)});
+        {{new_id(), clock.wall(), clock.wall() + life, allowed}, id, blake2b(token)});
     return token;
   }
   Outcome<Visits::Opened> open(const std::string& key = "key",
@@ -368,6 +415,7 @@ TEST_F(VisitsTest, AVisitorWithALinkGetsASessionWithinTheVisitorsShare) {
   EXPECT_TRUE(request.visitor);
   EXPECT_EQ(request.visitor_from, blake2b("visit:1.2.3.4")) << "no address is kept";
   EXPECT_FALSE(request.slices);
+  EXPECT_FALSE(request.downloads);
   EXPECT_EQ(store.visit_limits.most, 256);
   EXPECT_EQ(store.visit_limits.by_address, 16);
   EXPECT_EQ(store.visit_limits.by_link, 32);
@@ -402,10 +450,13 @@ TEST_F(VisitsTest, ASampleIsOpenToEverybodyWithItsExactSlices) {
   EXPECT_EQ(refusal(open_sample()), ProblemKind::kNotReady);
 }
 
-TEST_F(VisitsTest, LinkGivesExactSlicesOnlyIfAllowed) {
-  link = add_link(1h, true);
-  ASSERT_TRUE(open());
-  EXPECT_TRUE(placement.requests.at(0).slices);
+TEST_F(VisitsTest, LinkGivesSlicesAndDownloadsOnlyIfAllowed) {
+  for (const Permissions& allowed : {Permissions{true, false}, Permissions{false, true}}) {
+    link = add_link(1h, allowed);
+    ASSERT_TRUE(open());
+    EXPECT_EQ(placement.requests.back().slices, allowed.slices);
+    EXPECT_EQ(placement.requests.back().downloads, allowed.downloads);
+  }
 }
 
 TEST_F(VisitsTest, AVisitEndsAfterTwoHoursOrWithItsLinkAndOfASampleAfterTwentyMinutes) {

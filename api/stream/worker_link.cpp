@@ -56,6 +56,7 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
   open.set_link(attachment.link);
   open.set_viewer(to_proto(attachment.viewer));
   open.set_slices(attachment.slices);
+  open.set_downloads(attachment.downloads);
   open.set_guest_slices(attachment.guest_slices);
   open.set_visitor(attachment.visitor);
   link->self_ = link;

@@ -8,7 +8,8 @@
 --       browser session of the owner, or empty for guests and visitors;
 --       relation of the viewer to the scan (SessionViewer), and whether the owner allows slices (1 or 0);
 --       "1" for a viewer without an account; percentage of all slots that such viewers may hold together;
---       hash of the address of such a viewer: one address may hold at most half of that share
+--       hash of the address of such a viewer: one address may hold at most half of that share;
+--       whether the owner allows downloads (1 or 0)
 -- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full",
 -- "no_memory", "visitors". If the session is not placed, writes nothing but that fact.
 
@@ -224,6 +225,6 @@ end
 
 local ticket_key = keys.ticket(ticket)
 redis.call('HSET', ticket_key, 'session', session, 'user', user, 'participant', ARGV[11], 'name', ARGV[12],
-           'link', ARGV[13], 'viewer', ARGV[17], 'slices', ARGV[18])
+           'link', ARGV[13], 'viewer', ARGV[17], 'slices', ARGV[18], 'downloads', ARGV[22])
 redis.call('EXPIRE', ticket_key, ticket_s)
 return {'placed', chosen.id, tostring(placement)}

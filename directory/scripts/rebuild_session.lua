@@ -1,7 +1,7 @@
 -- Restores a session that Redis has lost (because it restarted empty). Called by the worker that has it.
 -- ARGV: 1 session, 2 user, 3 data set, 4 worker, 5 incarnation, 6 placement, 7 scene, 8 input_seq, 9 width, 10 height,
 --       11 presenter, 12 whether guests may see slices (1 or 0), 13 "1" for a visitor's session, then the hashes of the
---       guests' links
+--       guests' links, each followed by " slices" if it allows all slices
 -- Returns 1 if it was written, or 0 if it exists or was ended.
 local session_key, links_key = keys.session(ARGV[1]), keys.session_links(ARGV[1])
 if redis.call('EXISTS', session_key) == 1 or redis.call('EXISTS', keys.session_ended(ARGV[1])) == 1 then return 0 end
@@ -15,9 +15,10 @@ for _, key in ipairs({keys.user_sessions(ARGV[2]), keys.data_set_sessions(ARGV[3
   redis.call('EXPIRE', key, kSessionS)
 end
 for i = 14, #ARGV do
-  if redis.call('EXISTS', keys.link_ended(ARGV[i])) == 0 then
-    redis.call('SET', keys.link(ARGV[i]), ARGV[1], 'EX', kLinkS)
-    redis.call('SADD', links_key, ARGV[i])
+  local hash, permission = string.match(ARGV[i], '^(%S+)(.*)$')
+  if redis.call('EXISTS', keys.link_ended(hash)) == 0 then
+    redis.call('SET', keys.link(hash), ARGV[1] .. permission, 'EX', kLinkS)
+    redis.call('SADD', links_key, hash)
     redis.call('EXPIRE', links_key, kSessionS)
   end
 end

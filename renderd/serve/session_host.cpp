@@ -54,8 +54,8 @@ Result<JoinRequest> join_request_of(const v1::Open& open) {
   constexpr std::size_t kLongestLink = 64;
   if (open.link().size() <= kLongestLink) join.link = open.link();
   join.viewer = join.link.empty() ? viewer_of(open.viewer()) : ViewerKind::kGuest;
-  join.may_have_slices =
-      open.slices() || join.viewer == ViewerKind::kOwner || join.viewer == ViewerKind::kShared;
+  join.may_have_slices = open.slices() || join.viewer == ViewerKind::kOwner;
+  join.may_download = open.downloads() || join.viewer == ViewerKind::kOwner;
   return join;
 }
 

@@ -1,10 +1,12 @@
 #include "renderd/session/audience.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/names.h"
 
 namespace diaphane::render {
+
 Receiver* Audience::find(std::uint64_t connection) {
   const auto found = std::find_if(receivers.begin(), receivers.end(),
                                   [&](const auto& one) { return one.connection == connection; });
@@ -30,11 +32,49 @@ ViewerRights Audience::rights(const Receiver& receiver) const {
   rights.viewer = receiver.viewer;
   rights.presents = presents(receiver);
   rights.free_camera = receiver.free_camera;
-  rights.slices = receiver.viewer == ViewerKind::kGuest
-                      ? guest_slices && (rights.presents || (slices_shown && of(presenter)))
-                      : receiver.may_have_slices;
   rights.pointers = guest_pointers;
+  rights.slices = receiver.may_have_slices;
+  if (receiver.viewer == ViewerKind::kGuest) {
+    rights.any_slice = receiver.may_have_slices;
+    // A guest with a camera of their own does not follow the presenter's slices.
+    const bool follows = shows_slices() && of(presenter) && !receiver.free_camera;
+    if (guest_slices && (rights.presents || follows)) rights.slices = true;
+  }
+  rights.downloads = receiver.may_download;
   return rights;
+}
+
+bool ShownSlices::contains(const volume::SliceStack& stack, std::uint32_t index) const {
+  const bool has_plane = layout == v1::SliceView::FOUR ||
+                         (layout == v1::SliceView::SLICE && plane == to_proto(stack.plane));
+  if (!has_plane) return false;
+  double along = 0, square = 0;
+  for (std::size_t i = 0; i < crosshair.size(); ++i) {
+    along += (crosshair[i] - stack.first[i]) * stack.next[i];
+    square += stack.next[i] * stack.next[i];
+  }
+  // Between two slices, pages may round either way.
+  constexpr double kHalf = 0.5 + 1e-6;
+  const double exact = std::clamp(along / square, 0.0, double(stack.slices) - 1);
+  return std::fabs(exact - double(index)) <= kHalf;  // false for NaN
+}
+
+void Audience::show(const v1::SliceView& view, TimePoint now) {
+  if (shows_slices()) {
+    slices_before.push_back(slices_shown);
+    slices_before.back().until = now + kShownBefore;
+    if (slices_before.size() > kMostShownBefore) slices_before.pop_front();
+  }
+  const v1::Vec3& place = view.crosshair();
+  slices_shown = {view.layout(), view.plane(), {place.x(), place.y(), place.z()}, {}};
+  if (!shows_slices()) slices_before.clear();
+}
+
+bool Audience::shows(const volume::SliceStack& stack, std::uint32_t index, TimePoint now) const {
+  return slices_shown.contains(stack, index) ||
+         std::ranges::any_of(slices_before, [&](const ShownSlices& before) {
+           return now < before.until && before.contains(stack, index);
+         });
 }
 
 namespace {
@@ -88,6 +128,7 @@ v1::Audience audience_for(const Audience& audience, const Receiver& receiver) {
   message.set_slices(to_proto(slice_access(rights)));
   message.set_guest_slices(audience.guest_slices);
   message.set_guest_pointers(audience.guest_pointers);
+  message.set_downloads(may(rights, RequestKind::kFile));
   message.set_sets_guest_slices(may(rights, RequestKind::kGuestSlices));
   for (const Receiver& one : audience.receivers) {
     if (!one.greeted) continue;

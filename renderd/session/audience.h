@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -37,6 +39,10 @@ inline constexpr std::chrono::milliseconds kKeyEvery{500};
 /// Minimum time between depth queries, because an answer takes milliseconds of a core.
 inline constexpr std::chrono::milliseconds kDepthEvery{50};
 inline constexpr std::chrono::milliseconds kKernelEvery{250};
+/// How long a guest may still request slices that the presenter has scrolled past, because the
+/// request of a guest with a slow connection is on its way for a while.
+inline constexpr std::chrono::seconds kShownBefore{2};
+inline constexpr std::size_t kMostShownBefore = 32;
 inline constexpr std::size_t kMostReceivers = 64;
 inline constexpr std::size_t kLongestName = 40;  ///< characters
 
@@ -57,7 +63,8 @@ struct Receiver {
   std::uint32_t number = 0;  ///< the smallest number that is unique among the receivers
   std::string link;          ///< link by which a guest joined (worker.proto)
   ViewerKind viewer = ViewerKind::kGuest;
-  bool may_have_slices = false;  ///< set by the owner for visitors and public scans
+  bool may_have_slices = false;  ///< set by the owner of the scan, or by the link of a guest
+  bool may_download = false;     ///< set by the owner of the scan
 
   bool greeted = false;  ///< whether its Hello was accepted
   bool visible = true;
@@ -94,6 +101,16 @@ struct Receiver {
   bool free_camera = false;  ///< it sees a session of its own and receives nothing from this one
 };
 
+/// The slices that a presenter shows, or showed until `until`.
+struct ShownSlices {
+  diaphane::v1::SliceView::Layout layout = diaphane::v1::SliceView::LAYOUT_UNSPECIFIED;
+  diaphane::v1::AnatomicalPlane plane = diaphane::v1::ANATOMICAL_PLANE_UNSPECIFIED;
+  std::array<double, 3> crosshair{};
+  TimePoint until{};
+
+  bool contains(const volume::SliceStack& stack, std::uint32_t index) const;
+};
+
 /// One stream of encoded pictures for all viewers that use its codec.
 struct Coding {
   std::vector<std::uint64_t> takers;  ///< connections for which a frame is being encoded
@@ -110,10 +127,11 @@ struct Audience {
   std::map<std::string, std::uint64_t> guests;
   std::map<diaphane::v1::Codec, Coding> codings;
   SliceAllowances slice_allowances;
-  bool guest_slices = false;   ///< the host allows slices for guests while the presenter shows some
-  bool slices_shown = false;   ///< the presenter's slices are open
-  bool guest_pointers = true;  ///< the presenter allows pointers and marks of guests
-  std::uint64_t hands = 0;     ///< raised so far
+  bool guest_slices = false;  ///< the host allows slices for guests while the presenter shows some
+  ShownSlices slices_shown;   ///< what the presenter shows now
+  std::deque<ShownSlices> slices_before;  ///< what they showed just before
+  bool guest_pointers = true;             ///< the presenter allows pointers and marks of guests
+  std::uint64_t hands = 0;                ///< raised so far
 
   Receiver* find(std::uint64_t connection);
   const Receiver* find(std::uint64_t connection) const;
@@ -121,6 +139,14 @@ struct Audience {
   const Receiver* of(std::string_view participant) const;
   bool presents(const Receiver& receiver) const { return receiver.participant == presenter; }
   ViewerRights rights(const Receiver& receiver) const;
+  /// Returns whether the presenter's slices are open.
+  bool shows_slices() const {
+    return slices_shown.layout != diaphane::v1::SliceView::LAYOUT_UNSPECIFIED;
+  }
+  /// Notes what the presenter shows.
+  void show(const diaphane::v1::SliceView& view, TimePoint now);
+  /// Returns whether the presenter shows this slice of a stack, or did so just before.
+  bool shows(const volume::SliceStack& stack, std::uint32_t index, TimePoint now) const;
 };
 
 /// Returns whether frames depend on previous ones, so that a viewer who misses a frame must wait

@@ -22,7 +22,7 @@ using std::chrono::seconds;
 struct CollaborationTest : testing::Test {
   CollaborationTest() {
     state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
-    state.audience.slices_shown = true;
+    state.audience.slices_shown.layout = v1::SliceView::FOUR;
     presenter = greet(owner());
   }
   std::uint64_t greet(const JoinRequest& join) {
@@ -34,6 +34,7 @@ struct CollaborationTest : testing::Test {
     JoinRequest join;
     join.participant = participant;
     join.viewer = viewer;
+    join.may_have_slices = viewer == ViewerKind::kShared;
     return greet(join);
   }
   Effects show(double width) {
@@ -103,7 +104,7 @@ TEST_F(CollaborationTest, OnlyFollowersWithSlicesGetThePresentersSlices) {
       SCOPED_TRACE(static_cast<int>(viewer));
       SessionState fresh;
       fresh.requested.scene = state.requested.scene;
-      fresh.audience.slices_shown = true;
+      fresh.audience.slices_shown.layout = v1::SliceView::FOUR;
       state = std::move(fresh);
       together = {};
       presenter = greet(owner());
@@ -113,7 +114,7 @@ TEST_F(CollaborationTest, OnlyFollowersWithSlicesGetThePresentersSlices) {
       request.may_have_slices = allowed;
       state.audience.guest_slices = allowed;
       const std::uint64_t other = greet(request);
-      const bool gets = allowed || viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared;
+      const bool gets = allowed || viewer == ViewerKind::kOwner;
       EXPECT_EQ(show(400).size(), gets ? 1u : 0u);
       take(other);
       EXPECT_EQ(measure(1).size(), gets ? 1u : 0u);

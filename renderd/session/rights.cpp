@@ -8,12 +8,13 @@ namespace {
 enum class Rule {
   kNever,
   kAlways,
-  kPresenting,  ///< allowed while this viewer presents
-  kSteering,    ///< allowed while this viewer presents or has a camera of their own
-  kWithSlices,  ///< allowed if the owner or host allows slices for this viewer
-  kShowing,     ///< allowed while this viewer presents, and if slices are allowed
-  kPointing,    ///< allowed while this viewer presents, or if the presenter allows pointers
-  kLocating,    ///< allowed while this viewer points or steers, because marks are on surfaces
+  kPresenting,     ///< allowed while this viewer presents
+  kSteering,       ///< allowed while this viewer presents or has a camera of their own
+  kWithSlices,     ///< allowed if the owner or host allows slices for this viewer
+  kWithDownloads,  ///< allowed if the owner allows downloads for this viewer
+  kShowing,        ///< allowed while this viewer presents, and if slices are allowed
+  kPointing,       ///< allowed while this viewer presents, or if the presenter allows pointers
+  kLocating,       ///< allowed while this viewer points or steers, because marks are on surfaces
 };
 
 struct Row {
@@ -30,6 +31,7 @@ constexpr std::array<Rule, kViewers.size()> all(Rule rule) {
 // have rate limits.
 constexpr Rule kNo = Rule::kNever, kYes = Rule::kAlways, kSlices = Rule::kWithSlices;
 constexpr Rule kPresents = Rule::kPresenting, kShows = Rule::kShowing;
+constexpr Rule kFiles = Rule::kWithDownloads;
 constexpr std::array kTable{
     // clang-format off
     //                            owner  shared   public   link visitor  sample visitor  guest
@@ -42,22 +44,22 @@ constexpr std::array kTable{
     Row{RequestKind::kHandover,    {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPresenting}},
     Row{RequestKind::kFreeCamera,   all(kYes)},
     Row{RequestKind::kDepthQuery,  {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kLocating}},
-    Row{RequestKind::kSlices,      {kYes,  kYes,    kSlices, kSlices,      kSlices,        kSlices}},
-    Row{RequestKind::kKeyView,     {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
-    Row{RequestKind::kFile,        {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
-    Row{RequestKind::kFileTaken,   {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
+    Row{RequestKind::kSlices,      {kYes,  kSlices, kSlices, kSlices,      kSlices,        kSlices}},
+    Row{RequestKind::kKeyView,     {kYes,  kFiles,  kFiles,  kFiles,        kNo,            kNo}},
+    Row{RequestKind::kFile,        {kYes,  kFiles,  kFiles,  kFiles,       kNo,            kNo}},
+    Row{RequestKind::kFileTaken,   {kYes,  kFiles,  kFiles,  kFiles,       kNo,            kNo}},
     Row{RequestKind::kKernel,      all(kYes)},
     Row{RequestKind::kGuestSlices, {kYes,  kNo,     kSlices, kNo,          kNo,            kNo}},
     Row{RequestKind::kErrorCurve,  all(kYes)},
-    Row{RequestKind::kSliceView,   {kPresents, kPresents, kShows, kShows,  kShows,         kShows}},
-    Row{RequestKind::kMeasurements, {kPresents, kPresents, kShows, kShows, kShows,         kShows}},
+    Row{RequestKind::kSliceView,   {kPresents, kShows, kShows, kShows,     kShows,         kShows}},
+    Row{RequestKind::kMeasurements, {kPresents, kShows, kShows, kShows,    kShows,         kShows}},
     Row{RequestKind::kPointer,     {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPointing}},
     Row{RequestKind::kGuestPointers, all(kPresents)},
     Row{RequestKind::kSharedTaken, all(kYes)},
     Row{RequestKind::kMarks,       {kYes,  kYes,    kYes,    kYes,         kYes,           Rule::kPointing}},
     Row{RequestKind::kMarkSight,   all(kYes)},
     Row{RequestKind::kRaiseHand,   all(kYes)},
-    Row{RequestKind::kFileMark,    {kYes,  kYes,    kYes,    kNo,          kNo,            kNo}},
+    Row{RequestKind::kFileMark,    {kYes,  kFiles,  kFiles,  kFiles,       kNo,            kNo}},
     // clang-format on
 };
 
@@ -158,6 +160,8 @@ bool may(const ViewerRights& rights, RequestKind request) {
       return rights.presents || rights.free_camera;
     case Rule::kWithSlices:
       return rights.slices;
+    case Rule::kWithDownloads:
+      return rights.downloads;
     case Rule::kShowing:
       return rights.presents && rights.slices;
     case Rule::kPointing:
@@ -177,9 +181,11 @@ SliceAccess slice_access(const ViewerRights& rights) {
     case ViewerKind::kShared:
     case ViewerKind::kPublic:
       return SliceAccess::kWhole;
+    case ViewerKind::kGuest:
+      if (rights.presents || rights.any_slice) break;
+      return SliceAccess::kShown;
     case ViewerKind::kLinkVisitor:
     case ViewerKind::kSampleVisitor:
-    case ViewerKind::kGuest:
       break;
   }
   return SliceAccess::kClipped;
@@ -189,6 +195,8 @@ v1::SliceAccess to_proto(SliceAccess access) {
   switch (access) {
     case SliceAccess::kClipped:
       return v1::SLICE_ACCESS_CLIPPED;
+    case SliceAccess::kShown:
+      return v1::SLICE_ACCESS_SHOWN;
     case SliceAccess::kWhole:
       return v1::SLICE_ACCESS_WHOLE;
     case SliceAccess::kNone:

@@ -70,8 +70,11 @@ struct ViewerRights {
   ViewerKind viewer = ViewerKind::kGuest;
   bool presents = false;
   bool free_camera = false;
-  bool slices = false;   ///< the owner of the scan, or the host of the session, allows them
-  bool pointers = true;  ///< the presenter allows pointers and marks of guests
+  bool slices = false;     ///< the owner of the scan, or the host of the session, allows them
+  bool pointers = true;    ///< the presenter allows pointers and marks of guests
+  bool downloads = false;  ///< the owner of the scan allows them
+  bool any_slice =
+      false;  ///< for a guest: their link allows slices that the presenter does not show
 };
 
 /// Returns whether a viewer may send a request. Its table is the only one with a session's access
@@ -80,6 +83,7 @@ bool may(const ViewerRights& rights, RequestKind request);
 
 enum class SliceAccess {
   kNone,
+  kShown,    ///< like kClipped, but only the slices that the presenter shows now
   kClipped,  ///< voxels inside the session's clip; the others are blank
   kWhole,
 };

@@ -21,33 +21,28 @@ std::string_view name_of(RequestKind request) {
 }
 
 ViewerRights rights(ViewerKind viewer, bool presents, bool free_camera, bool slices,
-                    bool pointers = true) {
-  return {viewer, presents, free_camera, slices, pointers};
+                    bool pointers = true, bool downloads = true) {
+  return {viewer, presents, free_camera, slices, pointers, downloads};
 }
 
 /// The rules written independently in plain terms: every viewer, every request, every situation.
 bool expected(const ViewerRights& who, std::string_view request) {
   const bool guest = who.viewer == ViewerKind::kGuest;
-  const bool without_account =
-      guest || who.viewer == ViewerKind::kLinkVisitor || who.viewer == ViewerKind::kSampleVisitor;
   const bool steers = who.presents || who.free_camera;
   if (request == "scene") return steers;
   if (request == "handover") return !guest || who.presents;
   if (request == "depth") return !guest || steers || who.pointers;
-  if (request == "slices") {
-    return who.viewer == ViewerKind::kOwner || who.viewer == ViewerKind::kShared || who.slices;
-  }
+  if (request == "slices") return who.viewer == ViewerKind::kOwner || who.slices;
   if (request == "key view" || request == "file" || request == "file taken" ||
       request == "file mark") {
-    return !without_account;
+    return who.viewer == ViewerKind::kOwner ||
+           (who.downloads && !guest && who.viewer != ViewerKind::kSampleVisitor);
   }
   if (request == "guest slices") {
     return who.viewer == ViewerKind::kOwner || (who.viewer == ViewerKind::kPublic && who.slices);
   }
   if (request == "slice view" || request == "measurements") {
-    const bool gets_slices =
-        who.viewer == ViewerKind::kOwner || who.viewer == ViewerKind::kShared || who.slices;
-    return who.presents && gets_slices;
+    return who.presents && (who.viewer == ViewerKind::kOwner || who.slices);
   }
   if (request == "pointer" || request == "marks") return !guest || who.presents || who.pointers;
   if (request == "guest pointers") return who.presents;
@@ -57,9 +52,9 @@ bool expected(const ViewerRights& who, std::string_view request) {
 TEST(RightsTest, RequestsFollowTheAccessTable) {
   for (const ViewerKind viewer : kViewers) {
     for (const RequestKind request : kRequests) {
-      for (int bits = 0; bits < 16; ++bits) {
-        const ViewerRights who =
-            rights(viewer, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0);
+      for (int bits = 0; bits < 32; ++bits) {
+        const ViewerRights who = rights(viewer, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0,
+                                        (bits & 8) != 0, (bits & 16) != 0);
         EXPECT_EQ(may(who, request), expected(who, name_of(request)))
             << name_of(request) << " of viewer " << static_cast<int>(viewer) << " in situation "
             << bits;
@@ -89,6 +84,17 @@ TEST(RightsTest, UnknownViewerIsAGuest) {
   EXPECT_EQ(viewer_of(v1::VIEWER_OWNER), ViewerKind::kOwner);
 }
 
+TEST(RightsTest, GuestsGetOnlyTheShownSlicesUnlessTheyPresentOrTheirLinkAllowsAll) {
+  for (int bits = 0; bits < 8; ++bits) {
+    ViewerRights guest = rights(ViewerKind::kGuest, (bits & 1) != 0, (bits & 2) != 0, true);
+    guest.any_slice = (bits & 4) != 0;
+    EXPECT_EQ(slice_access(guest),
+              guest.presents || guest.any_slice ? SliceAccess::kClipped : SliceAccess::kShown);
+    guest.slices = false;
+    EXPECT_EQ(slice_access(guest), SliceAccess::kNone);
+  }
+}
+
 TEST(RightsTest, ViewersWithoutAccountGetOnlyClippedSlices) {
   for (const ViewerKind viewer : kViewers) {
     const bool account = viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared ||
@@ -96,8 +102,9 @@ TEST(RightsTest, ViewersWithoutAccountGetOnlyClippedSlices) {
     EXPECT_EQ(slice_access(rights(viewer, true, true, true)),
               account ? SliceAccess::kWhole : SliceAccess::kClipped);
   }
-  for (const ViewerKind viewer : {ViewerKind::kPublic, ViewerKind::kLinkVisitor,
-                                  ViewerKind::kSampleVisitor, ViewerKind::kGuest}) {
+  for (const ViewerKind viewer :
+       {ViewerKind::kShared, ViewerKind::kPublic, ViewerKind::kLinkVisitor,
+        ViewerKind::kSampleVisitor, ViewerKind::kGuest}) {
     EXPECT_EQ(slice_access(rights(viewer, true, true, false)), SliceAccess::kNone);
   }
 }

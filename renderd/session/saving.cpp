@@ -28,7 +28,8 @@ std::optional<RecoveryRecord> recovery_record(const SessionState& state, const s
   if (!state.requested.scene) return std::nullopt;
   std::set<std::string> links;
   for (const Receiver& receiver : state.audience.receivers) {
-    if (!receiver.link.empty()) links.insert(receiver.link);
+    if (receiver.link.empty()) continue;
+    links.insert(receiver.link + (receiver.may_have_slices ? " slices" : ""));
   }
   return RecoveryRecord{
       saved(state), user_id, state.volume_id, {links.begin(), links.end()}, visitor};

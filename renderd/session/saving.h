@@ -25,7 +25,7 @@ struct RecoveryRecord {
   SavedSession saved;
   std::string user_id;
   std::string volume_id;
-  std::vector<std::string> links;  ///< links by which guests joined
+  std::vector<std::string> links;  ///< links by which guests joined, as in directory::LostSession
   bool visitor = false;
 };
 

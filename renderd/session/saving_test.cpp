@@ -34,10 +34,15 @@ TEST(SavingTest, RecordNamesEachLinkOnceAndLeavesSceneUnsaved) {
     join.link = "link";
     attach(state, join, {});
   }
+  JoinRequest join;
+  join.participant = "c";
+  join.link = "wide";
+  join.may_have_slices = true;
+  attach(state, join, {});
   const auto record = recovery_record(state, "user", true);
   ASSERT_TRUE(record);
   EXPECT_EQ(record->user_id, "user");
-  EXPECT_EQ(record->links, std::vector<std::string>{"link"});
+  EXPECT_EQ(record->links, (std::vector<std::string>{"link", "wide slices"}));
   EXPECT_TRUE(record->visitor);
   EXPECT_TRUE(take_unsaved(state));
 }

@@ -12,12 +12,16 @@ bool same_clip(const std::optional<v1::Clip>& a, const std::optional<v1::Clip>& 
   return google::protobuf::util::MessageDifferencer::Equals(*a, *b);
 }
 
-/// Returns the order for a slice, or nullopt if this viewer may not receive slices.
+/// Returns the order for a slice, or nullopt if this viewer may not receive it.
 std::optional<SliceOrder> order_of(const SessionState& state, const Receiver& receiver,
-                                   const SliceDue& due) {
+                                   const volume::SliceStack& stack, const SliceDue& due,
+                                   TimePoint now) {
   switch (slice_access(state.audience.rights(receiver))) {
     case SliceAccess::kNone:
       break;
+    case SliceAccess::kShown:
+      if (!state.audience.shows(stack, due.index, now)) break;
+      [[fallthrough]];
     case SliceAccess::kClipped:
       // The newest clip, even if no picture shows it yet.
       if (state.requested.scene) return SliceOrder{due, state.requested.scene->clip()};
@@ -99,15 +103,14 @@ void Slices::take_next(Effects& effects, SessionState& state, std::uint64_t conn
   const bool guest = receiver->viewer == ViewerKind::kGuest;
   // Over the limit, SlicesTicked tries again.
   if (!state.audience.slice_allowances.take(receiver->participant, guest, now)) return;
-  const auto due = receiver->slices.take();
-  if (!due) return;
-  auto order = order_of(state, *receiver, *due);
-  if (!order) {
+  while (const auto due = receiver->slices.take()) {
+    const volume::SliceStack& stack = (*stacks_)[due->plane];
+    if (auto order = order_of(state, *receiver, stack, *due, now)) {
+      effects.emplace_back(effect::CodeSlice{connection, *std::move(order), stack, voxels_, guest});
+      return;
+    }
     receiver->slices.give_up();
-    return receiver->slices.forget();
   }
-  effects.emplace_back(
-      effect::CodeSlice{connection, *std::move(order), (*stacks_)[due->plane], voxels_, guest});
 }
 
 Effects Slices::handle(SliceCoded event, SessionState& state, TimePoint now) {
@@ -120,7 +123,7 @@ Effects Slices::handle(SliceCoded event, SessionState& state, TimePoint now) {
   Effects effects;
   const SliceOrder& order = event.order;
   // Meanwhile slices may have been switched off, or the clip may have changed.
-  const auto still = order_of(state, *receiver, order.due);
+  const auto still = order_of(state, *receiver, (*stacks_)[order.due.plane], order.due, now);
   if (!still) {
     receiver->slices.give_up();
   } else if (!same_clip(still->clip, order.clip)) {

@@ -26,8 +26,21 @@ struct SlicesTest : testing::Test {
   std::uint64_t guest() {
     JoinRequest join;
     join.participant = "guest";
-    state.audience.guest_slices = state.audience.slices_shown = true;
+    state.audience.guest_slices = true;
+    show(3);
     return attach(state, join, now)->connection;
+  }
+  /// Shows an axial slice, and the slices of the other planes at the edge of the volume.
+  void show(std::uint32_t index, v1::SliceView::Layout layout = v1::SliceView::FOUR,
+            v1::AnatomicalPlane plane = v1::AXIAL) {
+    const volume::SliceStack& axial = slices.stacks()->front();
+    v1::SliceView view;
+    view.set_layout(layout);
+    view.set_plane(plane);
+    view.mutable_crosshair()->set_x(axial.first[0] + index * axial.next[0]);
+    view.mutable_crosshair()->set_y(axial.first[1] + index * axial.next[1]);
+    view.mutable_crosshair()->set_z(axial.first[2] + index * axial.next[2]);
+    state.audience.show(view, now);
   }
   Effects ask(std::uint64_t from, std::uint32_t index) {
     v1::SliceRequest request;
@@ -57,7 +70,7 @@ struct SlicesTest : testing::Test {
 TEST_F(SlicesTest, LoadsVoxelsOnceAndThenCodesWhatEachViewerWaitsFor) {
   const std::uint64_t other = guest();
   sole<LoadVoxels>(ask(connection, 3));
-  EXPECT_TRUE(ask(other, 4).empty());
+  EXPECT_TRUE(ask(other, 3).empty());
   const auto orders = only<CodeSlice>(load());
   ASSERT_EQ(orders.size(), 2u);
   EXPECT_EQ(orders[0].connection, connection);
@@ -98,6 +111,63 @@ TEST_F(SlicesTest, SendsNothingToGuestsWithoutSliceAccess) {
   const auto order = sole<CodeSlice>(load());
   state.audience.guest_slices = false;
   EXPECT_TRUE(coded(order).empty());
+}
+
+TEST_F(SlicesTest, GuestsGetOnlyTheSlicesThatThePresenterShows) {
+  const std::uint64_t other = guest();
+  ask(connection, 0);
+  load();
+  for (std::uint32_t index = 0; index < 10; ++index) {
+    EXPECT_EQ(only<CodeSlice>(ask(other, index)).size(), index == 3 ? 1u : 0u) << index;
+  }
+  coded(CodeSlice{other, {{0, 3}, plain_scene().clip()}, {}, nullptr, true});
+  show(4);
+  state.audience.slices_before.clear();
+  EXPECT_TRUE(ask(other, 3).empty());
+  const auto order = sole<CodeSlice>(ask(other, 4));
+  show(5);
+  state.audience.slices_before.clear();
+  EXPECT_TRUE(only<Send>(coded(order)).empty()) << "the presenter has moved on";
+  show(4, v1::SliceView::PICTURE);
+  now += kShownBefore;
+  EXPECT_TRUE(ask(other, 4).empty()) << "only the picture is shown";
+  show(4, v1::SliceView::SLICE, v1::CORONAL);
+  EXPECT_TRUE(ask(other, 4).empty()) << "only another plane is shown";
+  show(4, v1::SliceView::SLICE);
+  EXPECT_EQ(sole<CodeSlice>(ask(other, 4)).connection, other);
+}
+
+TEST_F(SlicesTest, AGuestWithASlowConnectionGetsSlicesThatWereShownJustBefore) {
+  const std::uint64_t other = guest();
+  ask(connection, 0);
+  load();
+  show(4);
+  now += kShownBefore - std::chrono::milliseconds(1);
+  coded(sole<CodeSlice>(ask(other, 3)));
+  now += std::chrono::milliseconds(1);
+  EXPECT_TRUE(ask(other, 3).empty());
+  for (int i = 0; i < 100; ++i) show(4);
+  EXPECT_EQ(state.audience.slices_before.size(), kMostShownBefore);
+  show(5);
+  state.audience.show({}, now);
+  show(6);
+  EXPECT_TRUE(ask(other, 5).empty()) << "closing the slices ends it";
+}
+
+TEST_F(SlicesTest, ALinkCanAllowItsGuestsAllSlices) {
+  JoinRequest join;
+  join.participant = "wide";
+  join.may_have_slices = true;
+  const std::uint64_t widened = attach(state, join, now)->connection;
+  const std::uint64_t other = guest();
+  ask(connection, 0);
+  load();
+  EXPECT_TRUE(ask(other, 7).empty());
+  const auto order = sole<CodeSlice>(ask(widened, 7));
+  EXPECT_TRUE(order.order.clip) << "the clip applies to them, too";
+  state.audience.show({}, now);
+  state.audience.guest_slices = false;
+  EXPECT_EQ(only<Send>(coded(order)).size(), 1u);
 }
 
 TEST_F(SlicesTest, NotifiesOnlyViewersWithClippedSlicesOfStaleOnes) {

@@ -272,10 +272,11 @@ Outcome receive_guest_slices(SessionState& state, bool on) {
 }
 
 /// Updates which slices guests may request. Collaboration passes the presenter's view on.
-Outcome receive_slice_view(SessionState& state, const v1::SliceView& view) {
+Outcome receive_slice_view(SessionState& state, const v1::SliceView& view, TimePoint now) {
   Outcome outcome;
-  const bool shown = view.layout() != v1::SliceView::LAYOUT_UNSPECIFIED;
-  if (std::exchange(state.audience.slices_shown, shown) == shown) return outcome;
+  const bool before = state.audience.shows_slices();
+  state.audience.show(view, now);
+  if (state.audience.shows_slices() == before) return outcome;
   forget_guest_slices(state.audience);
   outcome.audience = true;
   return outcome;
@@ -401,6 +402,7 @@ Result<Attached> attach(SessionState& state, const JoinRequest& join, TimePoint 
   receiver.link = join.link;
   receiver.viewer = join.viewer;
   receiver.may_have_slices = join.may_have_slices;
+  receiver.may_download = join.may_download;
   receiver.last_progress_at = now;
   if (receiver.name.empty() && receiver.participant != kOwner) {
     // A guest keeps their number after reconnecting.
@@ -472,8 +474,8 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
     case RequestKind::kFile:
     case RequestKind::kFileTaken:
     case RequestKind::kFileMark:
-      return refusal("Only people who opened the scan with their own account can create files.",
-                     "file");
+      return refusal(
+          "The owner of this scan has not allowed you to save videos and large pictures.", "file");
     case RequestKind::kGuestSlices:
       return refusal("Only the host of this session can show slices to guests.", "guest_slices");
     case RequestKind::kPointer:
@@ -524,7 +526,7 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
     case v1::ClientMessage::kGuestSlices:
       return receive_guest_slices(state, message.guest_slices().on());
     case v1::ClientMessage::kSliceView:
-      return receive_slice_view(state, message.slice_view());
+      return receive_slice_view(state, message.slice_view(), now);
     case v1::ClientMessage::kGuestPointers:
       return receive_guest_pointers(state, message.guest_pointers().on());
     case v1::ClientMessage::kRaiseHand:

@@ -78,6 +78,7 @@ struct JoinRequest {
   std::string link;
   ViewerKind viewer = ViewerKind::kGuest;
   bool may_have_slices = false;
+  bool may_download = false;
 };
 struct Attached {
   std::uint64_t connection = 0;

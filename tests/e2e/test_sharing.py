@@ -221,3 +221,69 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     expect(nobody.locator(".preset svg, .preset img")).to_have_count(6)  # a colour until the picture has been made
     expect(nobody.get_by_role("button", name="Show the slices (V)")).to_be_visible()  # everyone may use the slices of a sample
     stack.psql("DELETE FROM data_sets WHERE id = %s", scan)  # keeps later tests unaffected
+
+
+def test_the_owner_chooses_who_may_see_slices_and_save_videos(stack: TestStack, visit, cranium: Path, pictures: Path):
+    anna, bert = Person.arrives(stack, visit(small=True), "anna"), Person.arrives(stack, visit(small=True), "bert")
+    scan = anna.has_scan(cranium, "A head for Bert")
+
+    def may(page, slices: bool, downloads: bool) -> None:
+        """Says what the viewer of a page may do."""
+        expect(page.locator("canvas[data-samples]")).to_be_visible()
+        expect(page.get_by_role("button", name="Show the slices (V)")).to_have_count(int(slices))
+        page.get_by_role("button", name="Save or share", exact=True).click()
+        dialog = page.get_by_role("dialog", name="Save or share")
+        expect(dialog.get_by_label("File type")).to_have_count(int(downloads))
+        expect(dialog.get_by_label("Size", exact=True)).to_have_count(int(downloads))
+        expect(dialog.get_by_text("You can’t save videos and larger pictures of this scan.")).to_have_count(int(not downloads))
+        expect(dialog.get_by_role("button", name="Save the picture")).to_be_enabled()  # of the screen
+        page.screenshot(path=pictures / f"export-{'with' if downloads else 'without'}-downloads.png")
+        page.keyboard.press("Escape")
+
+    anna.page.goto(f"{stack.url}/view/{scan}")
+    may(anna.page, slices=True, downloads=True)
+    anna.page.get_by_role("button", name="Share this scan").click()
+    dialog = anna.page.get_by_role("dialog")
+    new = dialog.get_by_role("group", name="Permissions of the new person")
+    for name in ("Can also see the slices", "Can also save videos and large pictures"):
+        expect(new.get_by_role("checkbox", name=name)).to_be_checked()
+        new.get_by_role("checkbox", name=name).uncheck()
+    dialog.get_by_label("Email address").fill(bert.email)
+    dialog.get_by_role("button", name="Share", exact=True).click()
+    expect(dialog.get_by_text(f"Shared with {bert.email}.")).to_be_visible()
+    his = dialog.get_by_role("group", name=f"Permissions of {bert.email}")
+    slices, downloads = (his.get_by_role("checkbox", name=name) for name in ("Can also see the slices", "Can also save videos and large pictures"))
+    expect(slices).not_to_be_checked()
+    expect(downloads).not_to_be_checked()
+    bert.page.goto(f"{stack.url}/view/{scan}")
+    may(bert.page, slices=False, downloads=False)
+    downloads.click()
+    expect(dialog.get_by_text(f"Permissions of {bert.email} changed.")).to_be_visible()
+    expect(downloads).to_be_checked()
+    bert.page.reload()
+    may(bert.page, slices=False, downloads=True)
+    slices.click()
+    expect(slices).to_be_checked()
+    bert.page.reload()
+    may(bert.page, slices=True, downloads=True)
+    # A removed permission is gone at once, without a reload by Bert.
+    slices.click()
+    expect(slices).not_to_be_checked()
+    expect(bert.page.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
+    bert.page.screenshot(path=pictures / "permission-withdrawn.png")
+    bert.page.goto("about:blank")
+
+    links = dialog.get_by_role("region", name="Share by link")
+    links.get_by_role("checkbox", name="Also let them save videos and large pictures").check()
+    links.get_by_role("button", name="Create link").click()
+    expect(links.get_by_text("with videos and large pictures", exact=True)).to_be_visible()
+    link = links.get_by_label("Your new link").input_value()
+    visitor = visit(small=True)
+    visitor.goto(link)
+    visitor.get_by_role("button", name="View the scan").click()
+    may(visitor, slices=False, downloads=True)
+    for width, height in ((1280, 720), (390, 844)):
+        anna.page.set_viewport_size({"width": width, "height": height})
+        for section, element in (("people", his), ("links", links), ("everybody", dialog.get_by_role("region", name="Share with everyone"))):
+            element.scroll_into_view_if_needed()
+            anna.page.screenshot(path=pictures / f"permissions-{section}-{width}.png")

@@ -266,7 +266,10 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     one.http.post(f"/v1/data-sets/{made}/people", json={"email": "friend@example.org", "may": "view"})
     people = one.http.get(f"/v1/data-sets/{made}/people").json()["items"]
     one.http.get(f"/v1/data-sets/{made}/views")
+    one.http.patch(f"/v1/data-sets/{made}/people/{people[0]['id']}", json={"slices": False})
     one.http.delete(f"/v1/data-sets/{made}/people/{people[0]['id']}")
+    one.http.post(f"/v1/data-sets/{made}/labels", json={"bytes": 100})
+    one.http.delete(f"/v1/data-sets/{made}/labels")
     preset_ways(api, one, made)
     annotation_ways(one, made)
     one.http.get(f"/v1/data-sets/{made}/anonymise")

@@ -125,7 +125,7 @@ def test_an_invitation_does_not_reveal_whether_the_address_has_an_account(api, o
         share(one, made, email)
     shown = people(one, made)
     assert {p["email"] for p in shown} == {stranger, other.email}
-    assert {frozenset(p) for p in shown} == {frozenset({"id", "email", "may", "created_at"})}
+    assert {frozenset(p) for p in shown} == {frozenset({"id", "email", "may", "slices", "downloads", "created_at"})}
     mails = api.wait_until(lambda: api.mails(stranger), what="the invitation")
     text = mails[-1].get_content()
     assert "Wrist" not in text and f"{api.url}/scans" in text
@@ -293,7 +293,7 @@ def test_shares_and_views_are_in_the_audit_log(api, one, other, worker):  # noqa
     session_of(other, made)
     make_private(one, made)
     mine = session_of(one, made)
-    live = one.http.post(f"/v1/sessions/{mine}/links")
+    live = one.http.post(f"/v1/sessions/{mine}/links", json={"slices": True})
     assert live.status_code == 201, live.text
     assert client(api).post("/v1/join", json={"token": live.json()["token"], "key": secrets.token_hex(32)}).status_code == 201
     assert one.http.delete(f"/v1/sessions/{mine}/links").status_code == 204
@@ -303,6 +303,7 @@ def test_shares_and_views_are_in_the_audit_log(api, one, other, worker):  # noqa
         ("data-set.link-ended", one.id), ("data-set.published", one.id), ("data-set.looked-at", one.id), ("data-set.looked-at", other.id),
         ("data-set.withdrawn", one.id), ("data-set.live-link-made", one.id), ("data-set.looked-at", None), ("data-set.live-links-ended", one.id)]
     details = [given for _, _, given in entries]
+    assert [(given["slices"], given.get("downloads")) for given in details if "slices" in given] == [(1, 1), (0, 0), (0, 0), (1, None)]
     assert details[0]["may"] == "save" and details[3] == {"by": "link", "link": link["id"]}
     assert [given["by"] for given in details if "by" in given] == ["link", "owner", "gallery", "live-link"]
     assert other.email not in str(details)

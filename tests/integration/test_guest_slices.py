@@ -1,4 +1,4 @@
-"""What guests of a live session and visitors receive of a scan: the clipped picture, and slices only if the owner allows them."""
+"""What guests, visitors and others receive of a scan: the clipped picture, and slices and files only if the owner allows them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from test_slices import AXIAL, CORONAL, SAGITTAL, stored, values, wish
 from websockets.exceptions import ConnectionClosed
 
 BLANK = -32768
-NONE, CLIPPED, WHOLE = 0, 1, 2
+NONE, CLIPPED, WHOLE, SHOWN = 0, 1, 2, 3
 FOUR = 1  # SliceView.Layout
 SIZE, SPACING = 48, 2.0
 
@@ -113,10 +113,31 @@ def set_guest_slices(viewer: Viewer, on: bool) -> None:
     viewer.send(message)
 
 
-def show_slices(viewer: Viewer, on: bool = True) -> None:
+def show_slices(viewer: Viewer, on: bool = True, axial: int = 24) -> None:
     message = ClientMessage()
     message.slice_view.layout = FOUR if on else 0
+    message.slice_view.crosshair.x = message.slice_view.crosshair.y = 0.5 * SPACING
+    message.slice_view.crosshair.z = (axial - (SIZE - 1) / 2) * SPACING
     viewer.send(message)
+
+
+def asks_for_file(viewer: Viewer) -> bool:
+    """Requests a small picture as a file. Returns whether the viewer gets it."""
+    view, order = ClientMessage(), ClientMessage()
+    view.key_view.scene.CopyFrom(viewer.config.scene)
+    order.file.picture.width = order.file.picture.height = 64
+    order.file.picture.error = 1
+    for message in (view, order):
+        viewer.send(message)
+    refused = 0
+    while refused < 2:
+        answer = viewer.receive()
+        if answer.WhichOneof("body") in ("file_progress", "file_part"):
+            return True
+        if answer.WhichOneof("body") == "problem":
+            assert (answer.problem.code, answer.problem.field, answer.problem.fatal) == ("forbidden", "file", False)
+            refused += 1
+    return False
 
 
 def visitor(running, **what: str) -> Viewer:
@@ -167,23 +188,35 @@ def test_allowed_slices_contain_only_the_inside_of_the_clip(running, one, scan, 
     session, url = open_session(one, scan)
     owner = Viewer(running.url, url)
     clip_to_box(owner, plane=plane)
+    # A session can have several links. Each has its own permission.
     guest = Guest(running, link_of(one, session)).join()
-    assert audience(guest).slices == NONE
-    set_guest_slices(owner, True)
-    assert audience(guest).slices == NONE
-    assert is_refused(ask_for_all(guest, AXIAL, 3)), "the presenter shows none"
-    show_slices(owner)
-    there = guest.until("audience", condition=lambda who: who.slices == CLIPPED)
-    assert there.guest_slices and not there.sets_guest_slices
+    wide = Guest(running, link_of(one, session, slices=True)).join()
+    assert audience(guest).slices == NONE and is_refused(ask_for_all(guest, AXIAL, 3))
+    assert audience(wide).slices == CLIPPED, "at any time, also while the presenter shows none"
     voxels, kept = textured(running, scan), inside(plane=plane)
     assert 0 < kept.sum() <= 27 * 8
     shown = 0
     for across in (AXIAL, CORONAL, SAGITTAL):
-        for piece in ask_for_all(guest, across, SIZE):
+        for piece in ask_for_all(wide, across, SIZE):
             expected = np.where(of_slice(kept, piece), of_slice(voxels, piece), BLANK)
             assert np.array_equal(values(piece), expected)
             shown += int((values(piece) != BLANK).sum())
     assert shown == 3 * kept.sum(), "all of what is inside, in each of the three directions"
+    wide.leave()
+    # By default, guests get only what the presenter shows.
+    set_guest_slices(owner, True)
+    guest.until("audience", condition=lambda who: who.guest_slices and who.slices == NONE)
+    assert is_refused(ask_for_all(guest, AXIAL, 3)), "the presenter shows none"
+    show_slices(owner)
+    there = guest.until("audience", condition=lambda who: who.slices == SHOWN)
+    assert there.guest_slices and not there.sets_guest_slices
+    for across in (AXIAL, CORONAL, SAGITTAL):
+        for index in [*range(24), *range(25, SIZE), 24]:
+            wish(guest, (across, index))
+        piece = guest.until("slice")
+        assert (piece.plane, piece.index) == (across, 24), "the others are left out"
+        assert np.array_equal(values(piece), np.where(of_slice(kept, piece), of_slice(voxels, piece), BLANK))
+        wish(guest, taken=piece.seq)
     # When more is visible, the guest is notified and asks again.
     clip_to_box(owner, -10, 10)
     guest.until("slices_stale")
@@ -195,7 +228,7 @@ def test_allowed_slices_contain_only_the_inside_of_the_clip(running, one, scan, 
     guest.until("audience", condition=lambda who: who.slices == NONE)
     assert is_refused(ask_for_all(guest, AXIAL, 3))
     show_slices(owner)
-    guest.until("audience", condition=lambda who: who.slices == CLIPPED)
+    guest.until("audience", condition=lambda who: who.slices == SHOWN)
     set_guest_slices(owner, False)
     guest.until("audience", condition=lambda who: who.slices == NONE)
     assert is_refused(ask_for_all(guest, AXIAL, 3))
@@ -237,12 +270,7 @@ def test_presenting_guests_and_free_cameras_cannot_undo_the_clip(running, one, s
     # Nor can they permit slices or make files.
     set_guest_slices(follower, True)
     assert follower.until("problem").field == "guest_slices"
-    files = ClientMessage()
-    files.file.picture.width = files.file.picture.height = 64
-    files.file.picture.error = 1
-    follower.send(files)
-    refusal = follower.until("problem")
-    assert (refusal.code, refusal.field) == ("forbidden", "file")
+    assert not asks_for_file(follower)
     follower.leave()
     owner.leave()
     one.http.delete(f"/v1/sessions/{session}")
@@ -276,11 +304,73 @@ def test_link_visitors_get_slices_only_if_the_link_allows_them(running, one, sca
     one.http.delete(f"/v1/data-sets/{scan}/links/{link['id']}")
 
 
+@pytest.mark.parametrize("allowed", [False, True])
+def test_link_visitors_get_files_only_if_the_link_allows_them(running, one, scan, allowed):
+    link = one.http.post(f"/v1/data-sets/{scan}/links", json={"hours": 1, "downloads": allowed}).json()
+    assert (link["slices"], link["downloads"]) == (False, allowed)
+    assert [known["downloads"] for known in one.http.get(f"/v1/data-sets/{scan}/links").json()["items"] if known["id"] == link["id"]] == [allowed]
+    viewer = visitor(running, token=link["token"])
+    rights = audience(viewer)
+    assert (rights.slices, rights.downloads) == (NONE, allowed)
+    assert asks_for_file(viewer) is allowed
+    viewer.leave()
+    one.http.delete(f"/v1/data-sets/{scan}/links/{link['id']}")
+
+
+def test_the_owner_chooses_slices_and_files_for_each_person(running, one, scan):
+    friend, other = person(running), person(running)
+    path = f"/v1/data-sets/{scan}/people"
+    for who, allowed in ((friend, {}), (other, {"slices": False, "downloads": False})):
+        assert one.http.post(path, json={"email": who.email, "may": "view", **allowed}).status_code == 204
+    people = {each["email"]: each for each in one.http.get(path).json()["items"]}
+    assert [(people[who.email]["slices"], people[who.email]["downloads"]) for who in (friend, other)] == [(True, True), (False, False)]
+
+    def viewing(who, slices: int, downloads: bool) -> tuple[Viewer, str]:
+        session, url = open_session(who, scan)
+        viewer = Viewer(running.url, url)
+        rights = audience(viewer)
+        assert (rights.slices, rights.downloads) == (slices, downloads)
+        assert asks_for_file(viewer) is downloads
+        if slices == NONE:
+            assert is_refused(ask_for_all(viewer, AXIAL, 3))
+        else:
+            wish(viewer, (AXIAL, 7))
+            assert np.array_equal(values(viewer.until("slice")), textured(running, scan)[7])
+        return viewer, session
+
+    first, first_session = viewing(friend, WHOLE, True)
+    second, second_session = viewing(other, NONE, False)
+    # Removing a permission ends the sessions of this person, and of nobody else.
+    of_friend = f"{path}/{people[friend.email]['id']}"
+    assert one.http.patch(of_friend, json={"may": "save"}).status_code == 204
+    assert friend.http.get(f"/v1/sessions/{first_session}").status_code == 200
+    assert one.http.patch(of_friend, json={"slices": False}).status_code == 204
+    assert friend.http.get(f"/v1/sessions/{first_session}").status_code == 404
+    assert first.close_code() not in (1000, 1006)
+    assert other.http.get(f"/v1/sessions/{second_session}").status_code == 200
+    third, third_session = viewing(friend, NONE, True)
+    # More is allowed from the next visit on.
+    assert one.http.patch(f"{path}/{people[other.email]['id']}", json={"downloads": True}).status_code == 204
+    second.leave()
+    other.http.delete(f"/v1/sessions/{second_session}")
+    fourth, fourth_session = viewing(other, NONE, True)
+    assert one.http.post(path, json={"email": friend.email, "may": "view", "slices": True, "downloads": False}).status_code == 204
+    assert friend.http.get(f"/v1/sessions/{third_session}").status_code == 404
+    fifth, fifth_session = viewing(friend, WHOLE, False)
+    for viewer in (third, fourth, fifth):
+        viewer.leave()
+    other.http.delete(f"/v1/sessions/{fourth_session}")
+    friend.http.delete(f"/v1/sessions/{fifth_session}")
+    for each in people.values():
+        assert one.http.delete(f"{path}/{each['id']}").status_code == 204
+
+
 def test_visitors_of_a_sample_get_slices_inside_the_clip(running, one, scan):
     running.psql("UPDATE data_sets SET is_sample = true, visibility = 'public', published_at = now(), anonymised_at = now() WHERE id = %s", scan)
     try:
         viewer = visitor(running, data_set_id=scan)
         assert audience(viewer).slices == CLIPPED
+        assert not asks_for_file(viewer), "only with an account"
         clip_to_box(viewer)
         voxels, kept = textured(running, scan), inside()
         for piece in ask_for_all(viewer):
@@ -290,17 +380,27 @@ def test_visitors_of_a_sample_get_slices_inside_the_clip(running, one, scan):
         running.psql("UPDATE data_sets SET is_sample = false, visibility = 'private', published_at = NULL WHERE id = %s", scan)
 
 
-def test_viewers_of_a_public_scan_get_slices_while_the_owner_allows_them(running, one, scan):
+def test_viewers_of_a_public_scan_get_slices_and_files_while_the_owner_allows_them(running, one, scan):
     running.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", scan)
     path = f"/v1/data-sets/{scan}/visibility"
     assert one.http.post(path, json={"visibility": "public"}).json()["public_slices"] is False
+    assert one.http.get(f"/v1/data-sets/{scan}").json()["public_downloads"] is False
     other = person(running)
     session, url = open_session(other, scan)
     viewer = Viewer(running.url, url)
     assert audience(viewer).slices == NONE and is_refused(ask_for_all(viewer, AXIAL, 3))
+    assert not asks_for_file(viewer)
     viewer.leave()
     other.http.delete(f"/v1/sessions/{session}")
+    # Files without slices, and the other way round.
+    assert one.http.post(path, json={"visibility": "public", "downloads": True}).json()["public_downloads"] is True
+    session, url = open_session(other, scan)
+    viewer = Viewer(running.url, url)
+    rights = audience(viewer)
+    assert (rights.slices, rights.downloads) == (NONE, True) and asks_for_file(viewer)
     assert one.http.post(path, json={"visibility": "public", "slices": True}).json()["public_slices"] is True
+    assert other.http.get(f"/v1/sessions/{session}").status_code == 404, "the files are withdrawn"
+    viewer.leave()
     session, url = open_session(other, scan)
     mine, mine_url = open_session(one, scan)
     viewer = Viewer(running.url, url)

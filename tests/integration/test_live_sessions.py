@@ -38,8 +38,8 @@ class Guest:
         return Viewer(self.stack.url, answer.json()["stream_url"])
 
 
-def link_of(somebody, session: str) -> str:
-    answer = somebody.http.post(f"/v1/sessions/{session}/links")
+def link_of(somebody, session: str, slices: bool | None = None) -> str:
+    answer = somebody.http.post(f"/v1/sessions/{session}/links", **({} if slices is None else {"json": {"slices": slices}}))
     assert answer.status_code == 201, answer.text
     return answer.json()["token"]
 

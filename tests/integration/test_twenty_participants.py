@@ -74,6 +74,7 @@ def show(owner: Viewer, number: int) -> None:
     """Moves the slices, the pointer and a mark. Each carries the number."""
     view, pointer, marks = ClientMessage(), ClientMessage(), ClientMessage()
     view.slice_view.layout, view.slice_view.window_width = FOUR, number
+    view.slice_view.crosshair.z = (number % 48 - 23.5) * 2  # mm
     pointer.pointer.slice.plane, pointer.pointer.slice.place.x = AXIAL, number / 10
     marks.marks.items.add(id=1, kind=TEXT, text=str(number)).place.x = number / 10
     for message in (view, pointer, marks):

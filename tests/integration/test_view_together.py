@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from stream_helpers import ClientMessage, Viewer, open_session
-from test_guest_slices import CLIPPED, set_guest_slices
+from test_guest_slices import SHOWN, set_guest_slices
 from test_live_sessions import Guest, hand_over, link_of
 
 AXIAL, FOUR, ELLIPSE = 1, 1, 3
@@ -62,7 +62,7 @@ def test_followers_with_slices_see_those_of_the_presenter(running, one, session)
     first = shared(follower)
     assert first.pointers and not first.HasField("slice_view") and not first.HasField("measurements")
     set_guest_slices(owner, True)
-    follower.until("audience", condition=lambda who: who.slices == CLIPPED)
+    follower.until("audience", condition=lambda who: who.slices == SHOWN)
     seen = shared(follower, lambda state: state.HasField("slice_view"))
     assert (seen.slice_view.layout, seen.slice_view.crosshair.z, seen.slice_view.window_width) == (FOUR, 12.5, 400)
     assert (seen.measurements.items[0].kind, seen.measurements.items[0].slice) == (ELLIPSE, 7)

@@ -36,6 +36,7 @@ const base = {
   owned: true,
   is_public: false,
   is_sample: false,
+  public_downloads: true,
   public_slices: false,
   refusal: null,
   volume: null,

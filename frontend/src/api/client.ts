@@ -229,8 +229,9 @@ export class Api {
     await this.send("DELETE", `/v1/sessions/${sessionId}`, undefined, { keepalive: true });
   }
 
-  createLink(sessionId: string): Promise<{ token: string; path: string }> {
-    return this.json("POST", `/v1/sessions/${sessionId}/links`);
+  /** Creates a link to a session. With `slices`, its guests may look through all slices. */
+  createLink(sessionId: string, slices: boolean): Promise<{ token: string; path: string }> {
+    return this.json("POST", `/v1/sessions/${sessionId}/links`, { slices });
   }
 
   async endLinks(sessionId: string): Promise<void> {

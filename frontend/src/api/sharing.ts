@@ -4,6 +4,7 @@ import type {
   DataSetLink,
   GalleryQuery,
   Page,
+  Permissions,
   PresetInfo,
   Report,
   SavedPreset,
@@ -36,24 +37,25 @@ export class SharingApi {
   }
 
   /**
-   * Makes a scan public or private. `slices` controls whether users of the gallery may see the
-   * slices of a public scan.
+   * Makes a scan public and sets what is allowed to users of the gallery, or makes it private.
    */
-  setVisibility(id: string, visibility: "private" | "public", slices = false): Promise<DataSet> {
-    return read(
-      this.send("POST", `/v1/data-sets/${id}/visibility`, {
-        visibility,
-        ...(visibility === "public" ? { slices } : {}),
-      }),
-    );
+  setVisibility(id: string, visibility: "private"): Promise<DataSet>;
+  setVisibility(id: string, visibility: "public", allowed: Permissions): Promise<DataSet>;
+  setVisibility(id: string, visibility: string, allowed?: Permissions): Promise<DataSet> {
+    return read(this.send("POST", `/v1/data-sets/${id}/visibility`, { visibility, ...allowed }));
   }
 
   async people(id: string): Promise<readonly SharedPerson[]> {
     return (await read<Page<SharedPerson>>(this.send("GET", `/v1/data-sets/${id}/people`))).items;
   }
 
-  async shareWith(id: string, email: string, may: "view" | "save"): Promise<void> {
-    await this.send("POST", `/v1/data-sets/${id}/people`, { email, may });
+  async shareWith(id: string, email: string, may: "view" | "save", allowed: Permissions): Promise<void> {
+    await this.send("POST", `/v1/data-sets/${id}/people`, { email, may, ...allowed });
+  }
+
+  /** Changes what a person may do. If they lose something, a view of theirs is disconnected. */
+  async changePerson(id: string, person: string, change: Partial<Permissions>): Promise<void> {
+    await this.send("PATCH", `/v1/data-sets/${id}/people/${person}`, change);
   }
 
   async unshare(id: string, person: string): Promise<void> {
@@ -64,8 +66,8 @@ export class SharingApi {
     return (await read<Page<DataSetLink>>(this.send("GET", `/v1/data-sets/${id}/links`))).items;
   }
 
-  makeLink(id: string, hours: number, slices: boolean): Promise<DataSetLink & { readonly path: string }> {
-    return read(this.send("POST", `/v1/data-sets/${id}/links`, { hours, slices }, once()));
+  makeLink(id: string, hours: number, allowed: Permissions): Promise<DataSetLink & { readonly path: string }> {
+    return read(this.send("POST", `/v1/data-sets/${id}/links`, { hours, ...allowed }, once()));
   }
 
   async endLink(id: string, link: string): Promise<void> {

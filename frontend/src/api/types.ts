@@ -122,8 +122,9 @@ export interface DataSet {
   readonly owned: boolean;
   readonly is_public: boolean;
   readonly is_sample: boolean;
-  /** Whether users of the gallery may see the slices. */
+  /** Whether users of the gallery may see the slices, and save videos and large pictures. */
   readonly public_slices: boolean;
+  readonly public_downloads: boolean;
   readonly refusal: { readonly code: string; readonly text: string } | null;
   /** The condition that a queued scan waits for, besides its turn. Only the owner gets it. */
   readonly waiting_for: "room" | "memory" | "service" | "interruption" | null;
@@ -154,17 +155,22 @@ export interface DataSet {
   readonly updated_at: string;
 }
 
-export interface SharedPerson {
+/** What an owner allows viewers besides the picture. */
+export interface Permissions {
+  readonly slices: boolean;
+  /** Videos and large pictures. */
+  readonly downloads: boolean;
+}
+
+export interface SharedPerson extends Permissions {
   readonly id: string;
   readonly email: string;
   readonly may: "view" | "save";
 }
 
-export interface DataSetLink {
+export interface DataSetLink extends Permissions {
   readonly id: string;
   readonly expires_at: string;
-  /** Whether people with the link may see the slices. */
-  readonly slices: boolean;
 }
 
 /** An entry of the log of who viewed a scan. */

@@ -25,7 +25,7 @@ function audienceOf(you: string, presenter: string, change: Partial<Audience> = 
   const participants = ["owner", "guest"].map((id, number) =>
     create(ParticipantSchema, { id, number, owner: id === "owner", presenter: id === presenter }),
   );
-  return create(AudienceSchema, { you, presenter, participants, guestPointers: true, ...change });
+  return Object.assign(create(AudienceSchema, { you, presenter, participants, guestPointers: true }), change);
 }
 
 describe("what participants show each other", () => {

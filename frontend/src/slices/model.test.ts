@@ -84,6 +84,19 @@ describe("the slices of a scan", () => {
     expect(other.measures.value).toEqual([]);
     expect(other.open.value).toBe(false);
   });
+  it("let a guest on a narrow page choose only among the views that are presented", () => {
+    const guest = new Slices(() => undefined);
+    guest.configured([axial, sagittal, coronal], header);
+    guest.narrow.value = true;
+    guest.allow("shown");
+    const presented = begun().presented();
+    guest.follow({ ...presented, view: "four" });
+    expect(guest.choosable.value).toBe(true);
+    guest.follow({ ...presented, view: "coronal" });
+    expect(guest.choosable.value).toBe(false);
+    guest.allow("clipped");
+    expect(guest.choosable.value).toBe(true);
+  });
   it("begin with the presenter's window where the range of the values is unknown", () => {
     const presented = { ...begun().presented(), window: { centre: 103, width: 205 } };
     const guest = (told: object) => {

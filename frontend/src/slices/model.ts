@@ -27,8 +27,11 @@ interface OwnView {
   readonly placings: Partial<Record<Plane, Placing>>;
 }
 
-/** The slices that the server sends to this viewer. `clipped` slices are blank outside the clip. */
-export type Access = "none" | "clipped" | "whole";
+/**
+ * The slices that the server sends to this viewer. They are blank outside the clip unless they are `whole`. A viewer
+ * who gets only the `shown` ones follows the presenter.
+ */
+export type Access = "none" | "shown" | "clipped" | "whole";
 
 /** The state of the slice views. It persists while views open and close. */
 export class Slices {
@@ -59,6 +62,9 @@ export class Slices {
   readonly damaged = signal(false);
   /** Whether someone else presents the slices, so that this viewer's own edits do not apply. */
   readonly following = signal(false);
+  /** Whether a narrow page may choose which of the presented views it shows. */
+  readonly choosable = computed(() => this.access.value !== "shown" || this.presentsFour.value);
+  private readonly presentsFour = signal(false);
 
   readonly view = computed<Shown>(() => {
     if (!this.open.value || !this.available.value) return "picture";
@@ -281,6 +287,7 @@ export class Slices {
         this.measures.value = this.presentedMeasures;
       }
       this.open.value = true;
+      this.presentsFour.value = view === "four";
       // A narrow page shows one view at a time, which its viewer chooses.
       if (view !== "four" || !this.narrow.value) this.shown.value = view;
       this.crosshair.value = presented.crosshair;

@@ -56,6 +56,7 @@ const slicesKey = (key: string) => `diaphane.slices.${key}`;
 
 const sliceAccess: Readonly<Record<SliceAccess, Access>> = {
   [SliceAccess.NONE]: "none",
+  [SliceAccess.SHOWN]: "shown",
   [SliceAccess.CLIPPED]: "clipped",
   [SliceAccess.WHOLE]: "whole",
 };

@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import type { DataSet, DataSetLink } from "../api/types";
+import type { DataSet, DataSetLink, Permissions } from "../api/types";
 import { t } from "../texts";
 import { Choice } from "./choice";
 import { CopyField } from "./copy_field";
@@ -12,7 +12,7 @@ import { Switch } from "./viewer/settings/controls";
 export function ShareByLink({ set }: { readonly set: DataSet }) {
   const { links, made, busy, outcome, make, end, copy } = useLinks(set.id);
   const [hours, setHours] = useState("168");
-  const [slices, setSlices] = useState(false);
+  const [allowed, setAllowed] = useState<Permissions>({ slices: false, downloads: false });
   const text = t.sharing.links;
   return (
     <section class="share-part" aria-label={text.title}>
@@ -22,11 +22,18 @@ export function ShareByLink({ set }: { readonly set: DataSet }) {
       {links.length === 0 ? <p>{text.none}</p> : <LinkList links={links} busy={busy} end={end} />}
       {made ? <CopyField value={made} label={text.newLink} button={text.copy} onCopy={copy} /> : null}
       {outcome}
-      <Switch label={text.slices} on={slices} change={setSlices} />
+      <Switch label={text.slices} on={allowed.slices} change={(slices) => setAllowed({ ...allowed, slices })} />
       <p class="field-hint">{text.slicesHint}</p>
+      <Switch
+        label={t.sharing.downloads}
+        on={allowed.downloads}
+        change={(downloads) => setAllowed({ ...allowed, downloads })}
+      />
+      <p class="field-hint">{t.sharing.downloadsHint}</p>
+      <p class="field-hint">{text.changeHint}</p>
       <div class="share-form">
         <Choice label={text.life} value={hours} onChoose={setHours} options={Object.entries(text.lives)} />
-        <button type="button" class="button" disabled={busy} onClick={() => make(Number(hours), slices)}>
+        <button type="button" class="button" disabled={busy} onClick={() => make(Number(hours), allowed)}>
           {text.make}
         </button>
       </div>
@@ -43,9 +50,9 @@ function useLinks(dataSetId: string) {
   useEffect(() => {
     app.api.sharing.links(dataSetId).then(setLinks, () => undefined);
   }, [app, dataSetId]);
-  const make = (hours: number, slices: boolean) =>
+  const make = (hours: number, allowed: Permissions) =>
     act(async () => {
-      const link = await app.api.sharing.makeLink(dataSetId, hours, slices);
+      const link = await app.api.sharing.makeLink(dataSetId, hours, allowed);
       setMade(location.origin + link.path);
       setLinks(await app.api.sharing.links(dataSetId));
       return text.newLink;
@@ -80,7 +87,9 @@ function LinkList({ links, busy, end }: LinkListProps) {
       {links.map((link) => (
         <li key={link.id}>
           <span class="people-name">{text.until(dateText(link.expires_at))}</span>
-          {link.slices ? <small>{text.withSlices}</small> : null}
+          <small>
+            {[link.slices ? text.withSlices : "", link.downloads ? text.withDownloads : ""].filter(Boolean).join(", ")}
+          </small>
           <button
             type="button"
             class="button button-small"

@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import type { DataSet } from "../api/types";
+import type { DataSet, Permissions } from "../api/types";
 import { t } from "../texts";
 import { Field } from "./field";
 import { Link } from "./router";
@@ -14,7 +14,7 @@ export interface SharePubliclyProps {
 
 /** Makes a scan public, which is possible once it has been anonymised. */
 export function SharePublicly({ set, onChange }: SharePubliclyProps) {
-  const { name, setName, slices, busy, outcome, publish, showSlices, hide } = usePublication(set, onChange);
+  const { name, setName, allowed, busy, outcome, publish, allow, hide } = usePublication(set, onChange);
   const text = t.sharing.everybody;
   return (
     <section class="share-part" aria-label={text.title}>
@@ -33,8 +33,22 @@ export function SharePublicly({ set, onChange }: SharePubliclyProps) {
             hint={text.nameHint}
             most={40}
           />
-          <Switch label={text.slices} on={slices} disabled={busy} change={showSlices} />
+          <Switch
+            label={text.slices}
+            on={allowed.slices}
+            disabled={busy}
+            change={(slices) => allow({ ...allowed, slices }, slices ? text.slicesShown : text.slicesHidden)}
+          />
           <p class="field-hint">{text.slicesHint}</p>
+          <Switch
+            label={t.sharing.downloads}
+            on={allowed.downloads}
+            disabled={busy}
+            change={(downloads) =>
+              allow({ ...allowed, downloads }, downloads ? text.downloadsAllowed : text.downloadsEnded)
+            }
+          />
+          <p class="field-hint">{t.sharing.downloadsHint}</p>
           <p>
             {set.is_public ? (
               <button type="button" class="button button-danger" disabled={busy} onClick={hide}>
@@ -66,11 +80,14 @@ function AnonymiseFirst({ set }: { readonly set: DataSet }) {
   );
 }
 
-/** The public name of the owner, whether the slices are public, and the actions that change the visibility. */
+/** The public name of the owner, what is allowed to everyone, and the actions that change the visibility. */
 function usePublication(set: DataSet, onChange: (set: DataSet) => void) {
   const { app, act, busy, outcome } = useAct();
   const [name, setName] = useState("");
-  const [slices, setSlices] = useState(set.public_slices);
+  const [allowed, setAllowed] = useState<Permissions>({
+    slices: set.public_slices,
+    downloads: set.public_downloads,
+  });
   const text = t.sharing.everybody;
   useEffect(() => {
     app.api.sharing.publicName().then(setName, () => undefined);
@@ -78,15 +95,16 @@ function usePublication(set: DataSet, onChange: (set: DataSet) => void) {
   const publish = () =>
     act(async () => {
       await app.api.sharing.setPublicName(name.trim());
-      onChange(await app.api.sharing.setVisibility(set.id, "public", slices));
+      onChange(await app.api.sharing.setVisibility(set.id, "public", allowed));
       return text.isPublic;
     });
-  const showSlices = (on: boolean) => {
-    setSlices(on);
+  /** Changes what is allowed, which applies at once to a public scan, and says `done`. */
+  const allow = (to: Permissions, done: string) => {
+    setAllowed(to);
     if (!set.is_public) return;
     act(async () => {
-      onChange(await app.api.sharing.setVisibility(set.id, "public", on));
-      return on ? text.slicesShown : text.slicesHidden;
+      onChange(await app.api.sharing.setVisibility(set.id, "public", to));
+      return done;
     });
   };
   const hide = () =>
@@ -94,5 +112,5 @@ function usePublication(set: DataSet, onChange: (set: DataSet) => void) {
       onChange(await app.api.sharing.setVisibility(set.id, "private"));
       return text.isPrivate;
     });
-  return { name, setName, slices, busy, outcome, publish, showSlices, hide };
+  return { name, setName, allowed, busy, outcome, publish, allow, hide };
 }

@@ -30,7 +30,8 @@ class FakeSharingStore final : public SharingStore, public Fake {
   VisitLimits visit_limits;  ///< of the last call of `note_visit`
   int most_people = 0, most_links = 0;
   bool anonymised = true;
-  std::optional<bool> published_slices;  ///< empty while it is private
+  std::optional<Permissions> published;         ///< empty while it is private
+  std::map<std::string, std::string> accounts;  ///< user by address, for `narrowed_user_id`
   std::map<std::string, std::string> names;
 
   Result<std::vector<SharedPerson>> people(const std::string&) override {
@@ -39,14 +40,34 @@ class FakeSharingStore final : public SharingStore, public Fake {
     for (const auto& [key, person] : people_by_key) found.push_back(person);
     return found;
   }
-  Result<bool> share_with(const std::string&, const SharedPerson& person, int most,
-                          const Mail& mail) override {
+  Result<Shared> share_with(const std::string& data_set_id, const SharedPerson& person, int most,
+                            const Mail& mail) override {
     DIAPHANE_TRY(enter("share_with"));
     most_people = most;
-    const bool added = !people_by_key.contains(person.email_key);
+    const auto known = people_by_key.find(person.email_key);
+    if (known != people_by_key.end()) {
+      return change_person(data_set_id, known->second.id,
+                           {person.may_save, person.allowed.slices, person.allowed.downloads},
+                           person.created_at);
+    }
     people_by_key[person.email_key] = person;
-    if (added) invitations.push_back(mail);
-    return added;
+    invitations.push_back(mail);
+    return Shared{true, {}};
+  }
+  Result<Shared> change_person(const std::string&, const std::string& person_id,
+                               const PersonChange& change, Time) override {
+    DIAPHANE_TRY(enter("change_person"));
+    for (auto& [key, person] : people_by_key) {
+      if (person.id != person_id) continue;
+      const Permissions before = person.allowed;
+      person.may_save = change.may_save.value_or(person.may_save);
+      person.allowed = {change.slices.value_or(before.slices),
+                        change.downloads.value_or(before.downloads)};
+      const bool narrowed = (before.slices && !person.allowed.slices) ||
+                            (before.downloads && !person.allowed.downloads);
+      return Shared{false, narrowed ? accounts[key] : ""};
+    }
+    return fail(ErrorCode::kNotFound, "no person");
   }
   Result<void> unshare(const std::string&, const std::string& person_id, Time) override {
     DIAPHANE_TRY(enter("unshare"));
@@ -101,14 +122,14 @@ class FakeSharingStore final : public SharingStore, public Fake {
     return fail(ErrorCode::kNotFound, "no link");
   }
 
-  Result<bool> publish(const std::string&, bool slices, Time) override {
+  Result<bool> publish(const std::string&, const Permissions& allowed, Time) override {
     DIAPHANE_TRY(enter("publish"));
-    if (anonymised) published_slices = slices;
+    if (anonymised) published = allowed;
     return anonymised;
   }
   Result<void> make_private(const std::string&, Time) override {
     DIAPHANE_TRY(enter("make_private"));
-    published_slices.reset();
+    published.reset();
     return {};
   }
   Result<std::vector<DataSet>> gallery(const Viewer&, const GalleryQuery& asked) override {

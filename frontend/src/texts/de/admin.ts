@@ -95,6 +95,7 @@ export const admin: Texts["admin"] = {
     account: "Konto",
     by: "über",
     data_sets: "Aufnahmen",
+    downloads: "Videos und große Bilder",
     from: "von",
     items: "Einträge",
     link: "Link",

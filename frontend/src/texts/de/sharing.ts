@@ -34,6 +34,8 @@ export const sharing: Texts["sharing"] = {
     whole: "Ganzer Körper",
     other: "Sonstiges",
   },
+  downloads: "Auch das Speichern von Videos und großen Bildern erlauben",
+  downloadsHint: "Wer das Bild sieht, kann auch ohne diese Erlaubnis speichern, was auf dem Bildschirm zu sehen ist.",
   people: {
     title: "Mit bestimmten Personen teilen",
     lead: "Wir schicken ihnen eine E-Mail, in der Ihre E-Mail-Adresse und Ihr öffentlicher Name stehen. Sie melden sich mit der Adresse an, die Sie hier eingeben, und finden die Aufnahme unter „Mit mir geteilt“. Wir verraten niemandem, auch Ihnen nicht, ob es zu einer Adresse ein Konto gibt. Wer noch keines hat, findet die Einladung vor, sobald es angelegt ist.",
@@ -42,6 +44,13 @@ export const sharing: Texts["sharing"] = {
     may: "Berechtigung",
     view: "Darf ansehen",
     save: "Darf ansehen und Voreinstellungen speichern",
+    slices: "Darf auch die Schichten sehen",
+    downloads: "Darf auch Videos und große Bilder speichern",
+    mayOf: (email) => `Berechtigungen von ${email}`,
+    mayNew: "Berechtigungen der neuen Person",
+    changeHint:
+      "Wenn Sie eine Berechtigung entziehen, während die Person die Aufnahme ansieht, wird ihre Verbindung getrennt. Sie kann die Aufnahme danach ohne diese Berechtigung wieder öffnen.",
+    changed: (email) => `Berechtigungen von ${email} geändert.`,
     add: "Teilen",
     nobody: "Sie haben diese Aufnahme noch mit niemandem geteilt.",
     remove: (email) => `Nicht mehr mit ${email} teilen`,
@@ -53,9 +62,10 @@ export const sharing: Texts["sharing"] = {
     lead: "Wer den Link hat, kann die ganze Aufnahme ohne Konto in 3D ansehen, bis der Link abläuft oder Sie ihn deaktivieren.",
     sees: "Dabei sind auch der Titel und die Markierungen zu sehen, die Sie teilen.",
     slices: "Auch die Schichten zeigen",
-    slicesHint:
-      "Dann sind die genauen Werte der ganzen Aufnahme zu sehen, Schicht für Schicht. Um das später zu ändern, deaktivieren Sie den Link und erstellen einen neuen.",
+    slicesHint: "Dann sind die genauen Werte der ganzen Aufnahme zu sehen, Schicht für Schicht.",
+    changeHint: "Um das später zu ändern, deaktivieren Sie den Link und erstellen einen neuen.",
     withSlices: "mit Schichten",
+    withDownloads: "mit Videos und großen Bildern",
     life: "Gültigkeit",
     lives: { 1: "1 Stunde", 24: "1 Tag", 168: "1 Woche", 720: "30 Tage" },
     make: "Link erstellen",
@@ -77,6 +87,9 @@ export const sharing: Texts["sharing"] = {
     slicesHint: "Dann sehen alle die genauen Werte der ganzen Aufnahme, Schicht für Schicht.",
     slicesShown: "Die Schichten werden jetzt auch gezeigt.",
     slicesHidden: "Die Schichten werden nicht mehr gezeigt. Wer die Aufnahme gerade ansah, hat den Zugang verloren.",
+    downloadsAllowed: "Videos und große Bilder können jetzt auch gespeichert werden.",
+    downloadsEnded:
+      "Videos und große Bilder können nicht mehr gespeichert werden. Wer die Aufnahme gerade ansah, hat den Zugang verloren.",
     firstCut:
       "Schneiden Sie zuerst alles weg, woran man die Person erkennen könnte, und bestätigen Sie es. Ein Gesicht lässt sich auf einer Aufnahme erkennen.",
     cut: "Zuschneiden und anonymisieren",

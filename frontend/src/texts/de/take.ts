@@ -30,6 +30,8 @@ export const take: Texts["take"] = {
     "Wir berechnen das Bild in der gewählten Größe neu, und Sie können inzwischen weitermachen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
   pictureNow:
     "Das Bild wird sofort gespeichert, genau wie Sie es sehen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
+  onlyScreen:
+    "Videos und größere Bilder dieser Aufnahme können Sie nicht speichern. Das entscheidet, wem eine Aufnahme gehört.",
   size: "Größe",
   sizes: {
     screen: (width, height) => `Wie jetzt auf dem Bildschirm, ${width} × ${height}`,

@@ -93,6 +93,7 @@ export const admin = {
     account: "account",
     by: "through",
     data_sets: "scans",
+    downloads: "videos and large pictures",
     from: "from",
     items: "entries",
     link: "link",

@@ -31,6 +31,8 @@ export const sharing = {
     whole: "Whole body",
     other: "Other",
   } as Readonly<Record<string, string>>,
+  downloads: "Also let them save videos and large pictures",
+  downloadsHint: "Anyone who sees the picture can save what is on their screen, even without this.",
   people: {
     title: "Share with specific people",
     lead: "We’ll send them an email that shows your email address and your public name. They sign in with the address you enter here and find the scan under “Shared with me”. We don’t tell anyone, including you, whether an address has an account. If they don’t have an account yet, the invitation waits for them.",
@@ -39,6 +41,13 @@ export const sharing = {
     may: "Permission",
     view: "Can view",
     save: "Can view and save presets",
+    slices: "Can also see the slices",
+    downloads: "Can also save videos and large pictures",
+    mayOf: (email: string) => `Permissions of ${email}`,
+    mayNew: "Permissions of the new person",
+    changeHint:
+      "If you take away a permission, the person is disconnected if they are viewing the scan. They can open it again without that permission.",
+    changed: (email: string) => `Permissions of ${email} changed.`,
     add: "Share",
     nobody: "You haven’t shared this scan with anyone yet.",
     remove: (email: string) => `Stop sharing with ${email}`,
@@ -50,9 +59,10 @@ export const sharing = {
     lead: "Anyone with the link can view the whole scan in 3D, without an account, until the link expires or you disable it.",
     sees: "They also see its title and the marks that you share.",
     slices: "Also show the slices",
-    slicesHint:
-      "Viewers then see the exact values of the whole scan, slice by slice. To change this later, disable the link and create a new one.",
+    slicesHint: "Viewers then see the exact values of the whole scan, slice by slice.",
+    changeHint: "To change this later, disable the link and create a new one.",
     withSlices: "with slices",
+    withDownloads: "with videos and large pictures",
     life: "Valid for",
     lives: { 1: "1 hour", 24: "1 day", 168: "1 week", 720: "30 days" } as Readonly<Record<number, string>>,
     make: "Create link",
@@ -74,6 +84,9 @@ export const sharing = {
     slicesHint: "Everyone then sees the exact values of the whole scan, slice by slice.",
     slicesShown: "The slices are now shown too.",
     slicesHidden: "The slices are no longer shown. Anyone who was viewing has been disconnected.",
+    downloadsAllowed: "Viewers can now save videos and large pictures too.",
+    downloadsEnded:
+      "Viewers can no longer save videos and large pictures. Anyone who was viewing has been disconnected.",
     firstCut:
       "First cut away anything that could identify the person, then confirm. A face can be recognised from a scan.",
     cut: "Cut and anonymise",

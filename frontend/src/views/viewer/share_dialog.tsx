@@ -104,28 +104,35 @@ export function TakeBack({ session, role }: { readonly session: ViewerSession; r
 }
 
 /**
- * Returns the key of the link in this tab's storage. The server stores only the link's hash and
+ * Returns the key of the link in this tab's storage, where " slices" follows the path of a link that allows all slices. The server stores only the link's hash and
  * cannot show it again.
  */
 const memory = (sessionId: string) => `diaphane.link.${sessionId}`;
 
 /** The link with which others join, and their permissions. */
 function LinkPart({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
+  const [wide, setWide] = useState(false);
   // Takes over, because a guest who was presenting has been disconnected.
   const ended = () => {
     if (role.follows && !role.freeCamera) session.handOver(role.you);
   };
-  const { url, message, busy, make, end, copy } = useGuestLink(session.sessionId ?? "", ended);
+  const { url, allSlices, message, busy, make, end, copy } = useGuestLink(session.sessionId ?? "", ended);
   return (
     <div class="share-link">
       <p>{t.live.lead}</p>
+      {url === null && session.audience.value?.setsGuestSlices ? (
+        <>
+          <Switch label={t.live.allSlices} on={wide} change={setWide} />
+          <p class="field-hint">{t.live.allSlicesHint}</p>
+        </>
+      ) : null}
       {url === null ? (
         <p>
           <button
             type="button"
             class="button button-main"
             disabled={busy || session.sessionId === null || session.sessionId === ""}
-            onClick={make}
+            onClick={() => make(wide)}
           >
             {t.live.makeLink}
           </button>
@@ -133,6 +140,7 @@ function LinkPart({ session, role }: { readonly session: ViewerSession; readonly
       ) : (
         <>
           <CopyField value={url} label={t.live.link} button={t.live.copy} onCopy={copy} />
+          {allSlices ? <p class="field-hint">{t.live.withAllSlices}</p> : null}
           <p>
             <button type="button" class="button button-danger" disabled={busy} onClick={end}>
               {t.live.endLink}
@@ -140,7 +148,7 @@ function LinkPart({ session, role }: { readonly session: ViewerSession; readonly
           </p>
         </>
       )}
-      <GuestSlices session={session} />
+      {allSlices ? null : <GuestSlices session={session} />}
       <p class="muted" role="status">
         {message}
       </p>
@@ -151,10 +159,11 @@ function LinkPart({ session, role }: { readonly session: ViewerSession; readonly
 /** The link to a session, or null, and the actions on it. */
 function useGuestLink(sessionId: string, ended: () => void) {
   const app = useApp();
-  const [path, setPath] = useState(() => tab.getItem(memory(sessionId)));
+  const [stored, setStored] = useState(() => tab.getItem(memory(sessionId)));
   const [message, setMessage] = useState("");
   const [busy, setBusy] = useState(false);
-  const url = path === null ? null : location.origin + path;
+  const [path, wide] = stored?.split(" ") ?? [];
+  const url = path === undefined ? null : location.origin + path;
   const act = (work: () => Promise<void>) => {
     setBusy(true);
     setMessage("");
@@ -162,17 +171,18 @@ function useGuestLink(sessionId: string, ended: () => void) {
       .catch((thrown: unknown) => setMessage(app.explain(thrown)))
       .finally(() => setBusy(false));
   };
-  const make = () =>
+  const make = (slices: boolean) =>
     act(async () => {
-      const link = await app.api.createLink(sessionId);
-      tab.setItem(memory(sessionId), link.path);
-      setPath(link.path);
+      const link = await app.api.createLink(sessionId, slices);
+      const kept = link.path + (slices ? " slices" : "");
+      tab.setItem(memory(sessionId), kept);
+      setStored(kept);
     });
   const end = () =>
     act(async () => {
       await app.api.endLinks(sessionId);
       tab.removeItem(memory(sessionId));
-      setPath(null);
+      setStored(null);
       setMessage(t.live.ended);
       ended();
     });
@@ -181,7 +191,7 @@ function useGuestLink(sessionId: string, ended: () => void) {
       await navigator.clipboard.writeText(url ?? "");
       setMessage(t.live.copied);
     });
-  return { url, message, busy, make, end, copy };
+  return { url, allSlices: wide !== undefined, message, busy, make, end, copy };
 }
 
 /** Explains how to point, and lets the presenter choose whether guests may point. */

@@ -34,7 +34,7 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
     case "presets":
       return set && session ? <SavedPresets session={session} set={set} onClose={close} /> : null;
     case "export":
-      return session ? <ExportOfPicture session={session} own={own} shot={shot} close={close} /> : null;
+      return session ? <ExportOfPicture session={session} role={role} shot={shot} close={close} /> : null;
     case "recording":
       return <RecordingDialog onClose={close} />;
     case null:
@@ -47,13 +47,14 @@ function buttonsOf(session: ViewerSession | null, own: boolean, set: DataSet | n
   return { slices, account: own, presets: set !== null, sharing: set?.owned ?? false };
 }
 
-type ExportOfPictureProps = Pick<ViewerDialogsProps, "own" | "shot" | "close"> & { readonly session: ViewerSession };
+type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "shot" | "close"> & { readonly session: ViewerSession };
 
-function ExportOfPicture({ session, own, shot, close }: ExportOfPictureProps) {
+function ExportOfPicture({ session, role, shot, close }: ExportOfPictureProps) {
   return (
     <ExportDialog
       session={session}
-      rendered={own}
+      rendered={session.audience.value?.downloads ?? false}
+      guest={role.guest}
       busy={shot.state?.kind === "rendering"}
       onExport={(order) => {
         close();

@@ -10,15 +10,17 @@ import type { ExportOrder } from "./shot";
 
 export interface ExportDialogProps {
   readonly session: ViewerSession;
-  /** Whether pictures of any size can be rendered, which requires access to the scan. */
+  /** Whether the owner of the scan allows videos, and pictures of any size. */
   readonly rendered: boolean;
+  /** Whether the viewer is a guest of someone's session, who gets only the picture on the screen. */
+  readonly guest: boolean;
   /** Whether a file is being rendered already. */
   readonly busy: boolean;
   readonly onExport: (order: ExportOrder) => void;
   readonly onClose: () => void;
 }
 
-export function ExportDialog({ session, rendered, busy, onExport, onClose }: ExportDialogProps) {
+export function ExportDialog({ session, rendered, guest, busy, onExport, onClose }: ExportDialogProps) {
   const text = t.take;
   const [what, setWhat] = useState<keyof typeof text.kinds>("picture");
   return (
@@ -29,10 +31,12 @@ export function ExportDialog({ session, rendered, busy, onExport, onClose }: Exp
           <Choice
             label={text.what}
             value={what}
-            options={Object.entries(text.kinds)}
+            // A visitor without an account sees no saved presets.
+            options={Object.entries(text.kinds).filter(([kind]) => kind !== "tour" || session.dataSetId !== null)}
             onChoose={(kind) => setWhat(kind as typeof what)}
           />
         ) : null}
+        {rendered || guest ? null : <p class="muted">{text.onlyScreen}</p>}
         {!rendered || what === "picture" ? (
           <PictureForm session={session} rendered={rendered} busy={busy} onExport={onExport} />
         ) : (

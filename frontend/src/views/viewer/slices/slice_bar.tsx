@@ -22,7 +22,7 @@ export function SliceBar({ slices, volume }: SliceBarProps) {
   const none = slices.measures.value.length === 0;
   const bar = useRef<HTMLDivElement>(null);
   const following = slices.following.value;
-  const shown = !following || slices.narrow.value;
+  const shown = !following || (slices.narrow.value && slices.choosable.value);
   useRoomBelow(bar, shown);
   if (following)
     return shown ? (

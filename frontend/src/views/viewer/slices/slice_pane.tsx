@@ -109,7 +109,7 @@ function PaneControls({ slices, stack, alone, index, name }: PaneControlsProps) 
  */
 function useMeasuredSlice({ slices, stack, volume }: SlicePaneProps): MeasuredSlice {
   const values = slices.values(stack);
-  const clipped = slices.access.value === "clipped";
+  const clipped = slices.access.value !== "whole";
   return useMemo(
     () => ({
       stack,
@@ -180,7 +180,7 @@ function valueText(slices: Slices, stack: Stack, volume: VolumeHeader, place: Ve
   if (!isInside(volume, place)) return t.slices.nothing;
   const value = slices.valueAt(stack, place);
   if (value === null) return "…";
-  if (value === blank && slices.access.value === "clipped") return t.slices.cutAway;
+  if (value === blank && slices.access.value !== "whole") return t.slices.cutAway;
   return volume.modality === Modality.CT ? t.slices.hu(value) : t.slices.value(value);
 }
 
