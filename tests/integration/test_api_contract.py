@@ -187,6 +187,9 @@ def account_ways(stack) -> None:
     other.http.post("/v1/me/password", json={"current": PASSWORD, "password": PASSWORD + " two"})
     other.http.post("/v1/me/email", json={"email": "x-" + other.email, "password": PASSWORD + " two"})
     other.http.post("/v1/email-change/confirm", json={"token": link_token(stack, "x-" + other.email, "confirm-email")})
+    other.http.post("/v1/me/tokens", json={"name": "a", "scopes": ["read"], "days": 1, "password": PASSWORD + " two"})
+    [token] = other.http.get("/v1/me/tokens").json()["items"]
+    other.http.delete(f"/v1/me/tokens/{token['id']}")
     [browser] = other.http.get("/v1/me/browser-sessions").json()["items"]
     other.http.delete(f"/v1/me/browser-sessions/{browser['id']}")
     person(stack).http.delete("/v1/me/browser-sessions")
