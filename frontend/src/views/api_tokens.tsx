@@ -41,14 +41,21 @@ export function ApiTokens({ coded }: { readonly coded: boolean }) {
       </ul>
       {items && items.length >= mostTokens ? <p>{text.full}</p> : null}
       {asking ? (
-        <CreateToken
-          coded={coded}
-          onDone={(token) => {
-            setAsking(false);
-            setMade(token);
-            load();
-          }}
-        />
+        <>
+          <CreateToken
+            coded={coded}
+            onDone={(token) => {
+              setAsking(false);
+              setMade(token);
+              load();
+            }}
+          />
+          <p>
+            <button type="button" class="button" onClick={() => setAsking(false)}>
+              {t.cancel}
+            </button>
+          </p>
+        </>
       ) : null}
       {!asking && items && items.length < mostTokens ? (
         <p>
