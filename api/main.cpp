@@ -93,6 +93,7 @@ void add_routes(RequestRouter& router, Services& services) {
   router.add(account_routes(account.accounts, session.render_time, router));
   router.add(account_change_routes(account.changes, router));
   router.add(second_factor_routes(account.second_factors));
+  router.add(api_token_routes(account.tokens));
   router.add(admin_routes(session.administration));
   router.add(privacy_routes(privacy.exports, privacy.deletion, router));
   router.add(data_set_routes(data_set.data_sets, picture.thumbnails));
@@ -142,6 +143,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   RequestRouter router(services.account.accounts,
                        {.public_url = settings.public_url,
                         .sample_token = settings.sample_token,
+                        .tokens = &services.account.tokens,
                         .measure = [&](const Measured& request) {
                           metrics.measured(request);
                           metrics.set_waiting(static_cast<double>(executor.waiting()));

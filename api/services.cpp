@@ -29,7 +29,9 @@ AccountServices::AccountServices(const Backends& on)
       second_factors(factor_store, accounts, code_check, on.settings.factor_key.value(), on.clock,
                      on.signals, {}),
       changes(on.stores.account_changes, on.stores.accounts, accounts, hasher, on.placed, on.clock,
-              on.signals, {.public_url = on.settings.public_url}) {}
+              on.signals, {.public_url = on.settings.public_url}),
+      token_store(on.stores.database),
+      tokens(token_store, accounts, on.clock, on.signals, {on.settings.public_url + "/account"}) {}
 
 DataSetServices::DataSetServices(const Backends& on)
     : files(on.settings.upload_dir),

@@ -6,6 +6,8 @@
 #include "api/accounts/account_changes.h"
 #include "api/accounts/account_repository.h"
 #include "api/accounts/accounts.h"
+#include "api/accounts/api_token_repository.h"
+#include "api/accounts/api_tokens.h"
 #include "api/accounts/second_factor.h"
 #include "api/accounts/second_factor_repository.h"
 #include "api/administration/administration.h"
@@ -86,6 +88,8 @@ struct AccountServices {
   Accounts accounts;
   SecondFactors second_factors;
   AccountChanges changes;
+  ApiTokenRepository token_store;
+  ApiTokens tokens;
 };
 
 struct DataSetServices {

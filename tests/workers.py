@@ -10,8 +10,8 @@ from xdist.scheduler.loadscope import LoadScopeScheduling
 #: Files that take longest, which start first, so that the last worker does not end long after the others.
 LONGEST = ("test_access_matrix.py", "test_canaries.py", "test_ingest_faults.py", "test_edge_attacks.py", "test_api_contract.py", "test_full_disk.py",
            "test_api_presets.py", "test_api_account_changes.py", "test_anonymise_job.py", "test_api_accounts.py", "test_gateway_stream.py",
-           "test_api_migrations.py", "test_inner_tls_attacks.py", "test_attacks_by_role.py", "test_faults.py", "test_up.py",
-           "test_every_page.py", "test_anonymise.py", "test_videos.py", "test_upload.py", "test_pages.py", "test_take_away.py", "test_live_session.py",
+           "test_api_migrations.py", "test_python_client.py", "test_inner_tls_attacks.py", "test_attacks_by_role.py", "test_faults.py",
+           "test_up.py", "test_every_page.py", "test_anonymise.py", "test_videos.py", "test_upload.py", "test_pages.py", "test_take_away.py", "test_live_session.py",
            "test_upload_to_view.py", "test_controls.py", "test_stream.py", "test_in_picture.py", "test_sharing.py")
 #: Into how many parts a file is divided that one worker should not get as a whole. Each part starts programs of its own.
 PARTS = {"test_access_matrix.py": 4, "test_canaries.py": 2, "test_ingest_faults.py": 2}

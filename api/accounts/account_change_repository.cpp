@@ -192,7 +192,9 @@ Result<std::vector<ExpiredBrowser>> AccountChangeRepository::expired_browsers(Ti
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<ExpiredBrowser>> {
     std::vector<ExpiredBrowser> expired;
     for (const pqxx::row& row : transaction.exec_params(R"sql(
-             SELECT id, user_id FROM web_sessions
+             SELECT id, user_id FROM (
+               SELECT id, user_id, expires_at FROM web_sessions
+                UNION ALL SELECT id, user_id, expires_at FROM api_tokens) AS access
               WHERE expires_at <= to_timestamp($1::bigint / 1e6) ORDER BY expires_at LIMIT $2)sql",
                                                         to_us(now), limit)) {
       expired.push_back({row["id"].as<std::string>(), row["user_id"].as<std::string>()});
@@ -204,6 +206,7 @@ Result<std::vector<ExpiredBrowser>> AccountChangeRepository::expired_browsers(Ti
 Result<void> AccountChangeRepository::forget_browser(const std::string& id) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     transaction.exec_params0("DELETE FROM web_sessions WHERE id = $1::uuid", id);
+    transaction.exec_params0("DELETE FROM api_tokens WHERE id = $1::uuid", id);
     return {};
   });
 }

@@ -17,7 +17,7 @@ struct BrowserSession {
   Time created_at, used_at;
 };
 
-/// A web session that has ended by sign-out or by expiry.
+/// A web session or an API token that was ended or has expired.
 struct ExpiredBrowser {
   std::string id, user_id;
 };
@@ -112,8 +112,8 @@ class AccountChanges {
   /// Signs out all browsers, including this one, and ends all open sessions.
   Outcome<void> sign_out_everywhere(const Principal& who);
 
-  /// Ends the streams of browsers whose web sessions are over, then deletes those sessions. Retries
-  /// in a later call if Redis is unavailable.
+  /// Ends the streams of web sessions and API tokens that are over, then deletes their rows.
+  /// Retries in a later call if Redis is unavailable.
   void end_expired_browsers();
 
  private:

@@ -253,6 +253,24 @@ Mail recovery_codes_renewed(Language language, const std::string& to, const std:
            account + "\n"});
 }
 
+Mail api_token_created(Language language, const std::string& to, const std::string& name,
+                       const std::string& account) {
+  return in_one(
+      language, to,
+      {"A new API token was created for your Diaphane account",
+       "The API token \"" + name +
+           "\" was created for your Diaphane account. A program that has it can use your account "
+           "without your password. You can see and revoke your tokens here:\n\n" +
+           account + "\n\nIf this was not you, revoke the token and change your password now.\n"},
+      {"Für Ihr Konto bei Diaphane wurde ein neues API-Token erstellt",
+       "Für Ihr Konto bei Diaphane wurde das API-Token „" + name +
+           "“ erstellt. Ein Programm, das dieses Token hat, kann Ihr Konto ohne Ihr Passwort "
+           "nutzen. Hier sehen Sie Ihre Tokens und können sie widerrufen:\n\n" +
+           account +
+           "\n\nWenn Sie das nicht waren, widerrufen Sie das Token und ändern Sie jetzt Ihr "
+           "Passwort.\n"});
+}
+
 Mail account_deleted(Language language, const std::string& to) {
   return in_one(
       language, to,

@@ -29,6 +29,9 @@ Mail second_factor_taken_off(const std::string& to);
 Mail recovery_code_used(Language language, const std::string& to, const std::string& account);
 Mail code_reused(Language language, const std::string& to, const std::string& account);
 Mail recovery_codes_renewed(Language language, const std::string& to, const std::string& account);
+/// `name` was chosen by the user and is shown only to the user.
+Mail api_token_created(Language language, const std::string& to, const std::string& name,
+                       const std::string& account);
 Mail account_deleted(Language language, const std::string& to);
 /// Invites a person in both languages. The sender chooses only two parts of this text: `name`,
 /// which can hold no parenthesis, link or quotation mark (is_plain_name), and `from`, an email

@@ -28,6 +28,8 @@ void expire_sessions(pqxx::work& transaction, const std::string& user_id,
       UPDATE web_sessions SET expires_at = 'epoch'
        WHERE user_id = $1::uuid AND ($2 = '' OR id <> NULLIF($2, '')::uuid))sql",
                            user_id, kept_session);
+  transaction.exec_params0("UPDATE api_tokens SET expires_at = 'epoch' WHERE user_id = $1::uuid",
+                           user_id);
 }
 
 void queue_mail(pqxx::work& transaction, const Mail& mail, Time now) {

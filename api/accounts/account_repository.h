@@ -48,8 +48,9 @@ class MailRepository final : public MailStore {
   Database& database_;
 };
 
-/// Ends the web sessions of a user, except `kept_session`. Their rows stay, as expired, until the
-/// streams that they opened have ended (AccountChanges::end_expired_browsers).
+/// Ends the web sessions of a user, except `kept_session`, and revokes all API tokens, because
+/// someone else may have created them. Their rows stay, as expired, until the streams that they
+/// opened have ended (AccountChanges::end_expired_browsers).
 void expire_sessions(pqxx::work& transaction, const std::string& user_id,
                      const std::string& kept_session = {});
 

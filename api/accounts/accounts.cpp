@@ -11,8 +11,6 @@
 namespace diaphane::api {
 namespace {
 
-/// Minimum interval between two updates of a session's last use.
-constexpr auto kUseNoted = std::chrono::minutes(10);
 constexpr std::size_t kNonceDigits = 32;
 
 tl::unexpected<Problem> disabled() {

@@ -37,6 +37,9 @@ struct Principal {
 /// Version of the privacy notice's template, which is its date (frontend/public/legal).
 inline constexpr const char* kPrivacyTemplate = "2026-11-26";
 
+/// Minimum interval between two updates of the last use of a web session or an API token.
+inline constexpr std::chrono::minutes kUseNoted{10};
+
 /// Whether a user agrees to the processing of health data as the privacy notice describes it.
 enum class Consent { kGiven, kMissing };
 

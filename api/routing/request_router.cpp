@@ -126,6 +126,19 @@ bool needs_consent(const Route& route) {
   return consenting && !is_safe(route.method) && route.method != "DELETE";
 }
 
+tl::unexpected<Problem> consent_needed() {
+  return refuse(ProblemKind::kConsentNeeded,
+                "Read the current privacy notice and consent to it to continue.");
+}
+
+/// Returns what follows "Bearer " in the Authorization header, or nothing for another header.
+std::string_view bearer_of(const Head& head) {
+  constexpr std::string_view kBearer = "Bearer ";
+  const std::string_view authorization = head.header("authorization");
+  return authorization.starts_with(kBearer) ? authorization.substr(kBearer.size())
+                                            : std::string_view();
+}
+
 }  // namespace
 
 RequestRouter::RequestRouter(Accounts& accounts, Options options)
@@ -190,24 +203,29 @@ Outcome<void> RequestRouter::check_origin(const Request& request) const {
   return refuse(ProblemKind::kOrigin, "Requests from other origins are not allowed.");
 }
 
+Outcome<Principal> RequestRouter::identify_bearer(const Route& route, const Request& request,
+                                                  Accounts::Renewal renewal) const {
+  const std::string_view bearer = bearer_of(request);
+  if (route.access == Access::kPersonOrOperator && !options_.sample_token.empty() &&
+      equal_in_constant_time(bearer, options_.sample_token)) {
+    Principal operator_of_sample;
+    operator_of_sample.sample_operator = true;
+    return operator_of_sample;
+  }
+  if (!options_.tokens) return refuse(ProblemKind::kUnauthenticated, "The token is not valid.");
+  // No browser sends a token by itself, so a request with one needs no CSRF token.
+  auto principal = options_.tokens->authenticate(bearer, route.operation, renewal);
+  DIAPHANE_TRY(principal);
+  if (needs_consent(route) && !principal->consented) return consent_needed();
+  return principal;
+}
+
 Outcome<Principal> RequestRouter::identify(const Route& route, const Request& request,
                                            Accounts::Renewal renewal) const {
   DIAPHANE_TRY(check_origin(request));
   if (route.access == Access::kAnyone) return Principal{};
 
-  constexpr std::string_view kBearer = "Bearer ";
-  const std::string_view authorization = request.header("authorization");
-  if (!authorization.empty()) {
-    const bool known =
-        route.access == Access::kPersonOrOperator && !options_.sample_token.empty() &&
-        authorization.starts_with(kBearer) &&
-        equal_in_constant_time(authorization.substr(kBearer.size()), options_.sample_token);
-    if (!known) return refuse(ProblemKind::kUnauthenticated, "The token is not valid.");
-    Principal operator_of_sample;
-    operator_of_sample.sample_operator = true;
-    return operator_of_sample;
-  }
-
+  if (!request.header("authorization").empty()) return identify_bearer(route, request, renewal);
   auto principal = accounts_.authenticate(token_of(request), renewal);
   if (!principal && route.access == Access::kAnyoneOrPerson &&
       principal.error().kind == ProblemKind::kUnauthenticated) {
@@ -219,10 +237,7 @@ Outcome<Principal> RequestRouter::identify(const Route& route, const Request& re
     return refuse(ProblemKind::kCsrf,
                   "The X-CSRF-Token header is missing or incorrect. Reload the page.");
   }
-  if (needs_consent(route) && !principal->consented) {
-    return refuse(ProblemKind::kConsentNeeded,
-                  "Read the current privacy notice and consent to it to continue.");
-  }
+  if (needs_consent(route) && !principal->consented) return consent_needed();
   if (route.access == Access::kAdministrator && principal->administrator_waits) {
     return refuse(
         ProblemKind::kSecondFactorRequired,
@@ -366,7 +381,9 @@ Outcome<IdempotencyScope> idempotency_scope_of(const Request& request,
                                                const RequestRouter& router) {
   auto key = idempotency_key(request);
   DIAPHANE_TRY(key);
-  return IdempotencyScope{*std::move(key), router.token_of(request)};
+  const std::string_view bearer = bearer_of(request);
+  return IdempotencyScope{*std::move(key),
+                          bearer.empty() ? router.token_of(request) : std::string(bearer)};
 }
 
 }  // namespace diaphane::api

@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "api/accounts/accounts.h"
+#include "api/accounts/api_tokens.h"
 #include "api/routing/message.h"
 #include "api/shared/idempotency.h"
 #include "api/shared/problem.h"
 
 namespace diaphane::api {
 
-/// The authentication that a route requires.
+/// The authentication that a route requires. Where the cookie counts, so does an API token whose
+/// scope permits the operation (token_scopes.h).
 enum class Access {
   kAnyone,            ///< ignores the cookie
   kAnyoneOrPerson,    ///< works with the cookie or without an account
@@ -65,8 +67,9 @@ struct Measured {
 class RequestRouter {
  public:
   struct Options {
-    std::string public_url;    ///< origin of the page
-    std::string sample_token;  ///< if empty, no request is accepted as the sample's operator
+    std::string public_url;       ///< origin of the page
+    std::string sample_token;     ///< if empty, no request is accepted as the sample's operator
+    ApiTokens* tokens = nullptr;  ///< if null, no API token is valid
     std::function<void(const Measured&)> measure = [](const Measured&) {};
   };
 
@@ -104,6 +107,9 @@ class RequestRouter {
   Outcome<Response> decide_body(const Route& route, const Request& request) const;
   Outcome<Principal> identify(const Route& route, const Request& request,
                               Accounts::Renewal renewal) const;
+  /// Returns the author of a request with an Authorization header.
+  Outcome<Principal> identify_bearer(const Route& route, const Request& request,
+                                     Accounts::Renewal renewal) const;
   Outcome<void> check_origin(const Request& request) const;
   std::string set_cookie(const std::string& name, const std::string& value,
                          std::chrono::seconds age) const;
@@ -117,7 +123,8 @@ class RequestRouter {
   std::vector<Route> routes_;
 };
 
-/// Returns the Idempotency-Key of a request and the cookie from which token_for derives secrets.
+/// Returns the Idempotency-Key of a request and the cookie or API token from which token_for
+/// derives secrets.
 Outcome<IdempotencyScope> idempotency_scope_of(const Request& request, const RequestRouter& router);
 
 }  // namespace diaphane::api

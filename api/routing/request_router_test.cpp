@@ -9,6 +9,7 @@
 #include "api/routing/target.h"
 #include "api/shared/secrets.h"
 #include "tests/support/api/fake_account_store.h"
+#include "tests/support/api/fake_api_token_store.h"
 #include "tests/support/api/fake_second_factor_store.h"
 
 namespace diaphane::api {
@@ -34,6 +35,8 @@ class RequestRouterTest : public testing::Test {
                 {"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, answer, {}},
                 {"DELETE", "/v1/things/{id}", "deleteThing", Access::kPerson, answer, {}},
                 {"POST", "/v1/me/things", "makeOwnThing", Access::kOwnAccount, answer, {}},
+                {"GET", "/v1/data-sets", "listDataSets", Access::kPerson, answer, {}},
+                {"POST", "/v1/data-sets", "createDataSet", Access::kPersonOrOperator, answer, {}},
                 {"GET", "/v1/ruled", "rule", Access::kAdministrator, answer, {}},
                 {"POST", "/v1/open", "open", Access::kAnyone, answer, {}, 100},
                 {"POST", "/v1/plain", "plain", Access::kAnyone, answer, {}},
@@ -91,7 +94,10 @@ class RequestRouterTest : public testing::Test {
   CodeCheck codes{factors, store, key, clock, signals, {}};
   Accounts accounts{
       store, hasher, codes, key, clock, signals, {.public_url = "https://see.example"}};
-  RequestRouter router{accounts, {.public_url = "https://see.example", .sample_token = "s3cret"}};
+  FakeApiTokenStore token_store;
+  ApiTokens tokens{token_store, accounts, clock, signals, {}};
+  RequestRouter router{
+      accounts, {.public_url = "https://see.example", .sample_token = "s3cret", .tokens = &tokens}};
   int served = 0;
   std::string checked;
   Principal asked_by;
@@ -133,6 +139,42 @@ TEST_F(RequestRouterTest, UnsafeMethodRequiresCsrfTokenOfItsSession) {
   EXPECT_EQ(served, 0);
   EXPECT_EQ(ask({"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}}).status,
             200);
+}
+
+TEST_F(RequestRouterTest, ApiTokenReplacesTheCookieWithinItsScopes) {
+  const std::string secret = std::string(kApiTokenPrefix) + std::string(64, 'd');
+  const auto give = [&](std::vector<TokenScope> scopes) {
+    token_store.tokens[blake2b(secret)] = {{"token", "Notebook", std::move(scopes), clock.wall(),
+                                            clock.wall() + std::chrono::hours(1)},
+                                           "user",
+                                           "a@example.org",
+                                           kPrivacyTemplate};
+  };
+  const std::map<std::string, std::string> with{{"authorization", "Bearer " + secret}};
+  EXPECT_EQ(ask({"GET", "/v1/data-sets", with}).status, 401);
+  give({TokenScope::kRead});
+  EXPECT_EQ(ask({"GET", "/v1/data-sets", with}).status, 200);
+  EXPECT_EQ(asked_by.user_id, "user");
+  EXPECT_EQ(kind(ask({"POST", "/v1/data-sets", with})), "forbidden");
+  EXPECT_EQ(kind(ask_for_body({"POST", "/v1/data-sets", with}, "5")), "forbidden");
+  EXPECT_EQ(kind(ask({"GET", "/v1/things/1", with})), "forbidden") << "not in the list";
+  EXPECT_EQ(kind(ask({"POST", "/v1/me/things", with})), "forbidden");
+  give({TokenScope::kWrite});
+  EXPECT_EQ(ask({"POST", "/v1/data-sets", with}).status, 200) << "needs no CSRF token";
+  token_store.tokens.begin()->second.consent_version = "2020-01-01";
+  EXPECT_EQ(kind(ask({"POST", "/v1/data-sets", with})), "consent-needed");
+}
+
+TEST_F(RequestRouterTest, AnInvalidApiTokenIsNotReplacedByTheCookie) {
+  EXPECT_EQ(
+      ask({"GET", "/v1/data-sets", {{"cookie", kCookie}, {"authorization", "Bearer x"}}}).status,
+      401);
+}
+
+TEST_F(RequestRouterTest, DerivesSecretsFromTheApiToken) {
+  Request request;
+  request.headers = {{"authorization", "Bearer diaphane_a"}, {"idempotency-key", "k"}};
+  EXPECT_EQ(idempotency_scope_of(request, router)->browser, "diaphane_a");
 }
 
 TEST_F(RequestRouterTest, WithoutConsentAPersonCanOnlyReadDeleteAndManageTheAccount) {

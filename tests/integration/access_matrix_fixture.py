@@ -197,6 +197,9 @@ class World:
     def browser_session_id(self) -> str:
         return self.who_made.http.get("/v1/me/browser-sessions").json()["items"][0]["id"]
 
+    def token_id(self) -> str:
+        return self.who_made.http.post("/v1/me/tokens", json=API_TOKEN).json()["id"]
+
     def user_id(self) -> str:
         return self.owner.known_id
 
@@ -247,6 +250,8 @@ SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
 ANNOTATIONS = {"name": "Before surgery", "content": CONTRACT.spec["components"]["schemas"]["Annotations"]["example"]}
 NEW_PASSWORD = "another long and quiet one"
 
+API_TOKEN = {"name": "Notebook", "scopes": ["read"], "days": 1, "password": PASSWORD}
+
 #: Bodies by operation: (world, requesting user) -> body.
 bodies: dict[str, Callable[[World, Person], Any]] = {
     "signUp": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org", "consent": True},
@@ -263,6 +268,7 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "confirmSecondFactor": lambda world, who: {"code": who.device.code() if who.device else "000000"},
     "renewRecoveryCodes": lambda world, who: {"password": PASSWORD, "code": who.device.code() if who.device else "000000"},
     "removeSecondFactor": lambda world, who: {"password": PASSWORD, "code": who.device.code() if who.device else "000000"},
+    "createApiToken": lambda world, who: {**API_TOKEN, **({"code": who.device.code()} if who.device else {})},
     "deleteAccount": lambda world, who: {"password": PASSWORD, **({"code": who.device.code()} if who.device else {})},
     "createDataSet": lambda world, who: {"bytes": 10},
     "changeUser": lambda world, who: {"quota_bytes": 1000},

@@ -187,6 +187,9 @@ def account_ways(stack) -> None:
     other.http.post("/v1/me/password", json={"current": PASSWORD, "password": PASSWORD + " two"})
     other.http.post("/v1/me/email", json={"email": "x-" + other.email, "password": PASSWORD + " two"})
     other.http.post("/v1/email-change/confirm", json={"token": link_token(stack, "x-" + other.email, "confirm-email")})
+    other.http.post("/v1/me/tokens", json={"name": "a", "scopes": ["read"], "days": 1, "password": PASSWORD + " two"})
+    [token] = other.http.get("/v1/me/tokens").json()["items"]
+    other.http.delete(f"/v1/me/tokens/{token['id']}")
     [browser] = other.http.get("/v1/me/browser-sessions").json()["items"]
     other.http.delete(f"/v1/me/browser-sessions/{browser['id']}")
     person(stack).http.delete("/v1/me/browser-sessions")
@@ -272,6 +275,8 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     one.http.delete(f"/v1/data-sets/{made}/labels")
     preset_ways(api, one, made)
     annotation_ways(one, made)
+    one.http.post(f"/v1/data-sets/{made}/labels", json={"bytes": 10})
+    one.http.delete(f"/v1/data-sets/{made}/labels")
     one.http.get(f"/v1/data-sets/{made}/anonymise")
     to_cut = one.data_set(100)["data_set"]["id"]
     make_ready(api, to_cut)

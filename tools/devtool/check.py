@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
-from . import build, commands, contracts, filelint, install, linkrules, passed, paths, prose, tidy
+from . import build, client_code, commands, contracts, filelint, install, linkrules, passed, paths, prose, tidy
 from .console import CliError, say, step
 from .testing import Count
 
@@ -37,6 +37,7 @@ CHECKS = [
     Check("links", linkrules.check),
     Check("types", lambda: _npm_check("exec", "--", "tsc", "-b"), inputs=_PAGE),
     Check("lint", lambda: _npm_check("exec", "--", "eslint", "."), inputs=_PAGE),
+    Check("client", client_code.check, inputs=("clients/", "api/proto/", "api/openapi.yaml", "tools/devtool/client_code.py", "tools/check-requirements.txt")),
     Check("tidy", tidy.check, slow=True),
 ]
 

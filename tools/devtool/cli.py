@@ -105,7 +105,7 @@ def _add_checks(command: _Commands) -> None:
     test.add_argument("--checks", dest="with_checks", action="store_true", help="also run `./diaphane check`; each check counts as a test")
     check = command("check", "check.run", "run the static checks: formatting, prose, linters, types, link rules and API contracts")
     check.add_argument("--fix", action="store_true", help="let clang-format, Prettier and ESLint fix what they can")
-    check.add_argument("--only", metavar="NAME", action="append", default=[], help="run only this check: files, prose, format, contracts, links, types, lint or tidy (repeatable)")
+    check.add_argument("--only", metavar="NAME", action="append", default=[], help="run only this check: files, prose, format, contracts, links, types, lint, client or tidy (repeatable)")
     fuzz = command("fuzz", "fuzz.run", "fuzz the upload, volume, request and stream parsers (libFuzzer with ASan and UBSan)")
     fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, nifti, labels, tar, report, volume, viewer, stream, fields, preset, recording, scene_xml or panorama (default: all)")
     fuzz.add_argument("--seconds", type=int, default=60, metavar="N", help="duration per target in seconds (default: 60)")
@@ -130,6 +130,7 @@ def _add_checks(command: _Commands) -> None:
 
 def _add_documents(command: _Commands) -> None:
     command("bounds", "bounds.run", "write docs/bounds.md from docs/bounds.toml")
+    command("client", "client_code.run", "generate the part of the Python client that follows from the API contract")
     command("figures", "figures.run", "write docs/figures.md from the benchmark results in docs/figures/")
     bill = command("sbom", "sbom.run", "write the software bill of materials as CycloneDX JSON")
     bill.add_argument("out", nargs="?", type=Path, metavar="FILE", help="output file (default: standard output)")

@@ -1,3 +1,4 @@
+import { ApiTokensApi } from "./api_tokens";
 import { AnnotationsApi } from "./annotations";
 import { AnonymiseApi } from "./anonymise";
 import { EnvironmentsApi } from "./environments";
@@ -271,6 +272,7 @@ export class Api {
 
   readonly sharing = new SharingApi((...call) => this.send(...call));
   readonly anonymise = new AnonymiseApi((...call) => this.send(...call));
+  readonly tokens = new ApiTokensApi((...call) => this.send(...call));
   readonly secondFactor = new SecondFactorApi((...call) => this.send(...call));
   readonly annotations = new AnnotationsApi((...call) => this.send(...call));
   readonly presets = new PresetsApi((...call) => this.send(...call));

@@ -1,6 +1,7 @@
 import type { Texts } from "./shape";
 import { account } from "./de/account";
 import { add } from "./de/add";
+import { apiTokens } from "./de/api_tokens";
 import { admin } from "./de/admin";
 import { common } from "./de/common";
 import { consent } from "./de/consent";
@@ -30,6 +31,7 @@ export const de: Texts = {
   ...common,
   account,
   add,
+  apiTokens,
   admin,
   consent,
   cut,

@@ -4,6 +4,7 @@ import type { BrowserSession, Export, Me } from "../api/types";
 import { t } from "../texts";
 import { problemText } from "../texts/problem_text";
 import { looksLikeEmail } from "./account";
+import { ApiTokens } from "./api_tokens";
 import { CodeField } from "./code_field";
 import { Dialog } from "./dialog";
 import { CurrentPassword, EmailField } from "./field";
@@ -28,6 +29,7 @@ export function MyAccount({ me }: { readonly me: Me }) {
       <Address me={me} />
       <Password />
       <SecondFactor />
+      <ApiTokens coded={me.second_factor} />
       <Data />
       <Removal coded={me.second_factor} />
     </div>

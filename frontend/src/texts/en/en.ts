@@ -1,6 +1,7 @@
 import { account } from "./account";
 import { admin } from "./admin";
 import { add } from "./add";
+import { apiTokens } from "./api_tokens";
 import { common } from "./common";
 import { consent } from "./consent";
 import { cut } from "./cut";
@@ -30,6 +31,7 @@ export const en = {
   account,
   admin,
   add,
+  apiTokens,
   consent,
   cut,
   home,

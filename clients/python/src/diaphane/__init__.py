@@ -1,0 +1,48 @@
+"""Renders CT and MR scans photo-realistically on a Diaphane server. Each picture comes with an estimate of its error."""
+
+from ._generated.scene_pb2 import Scene
+from .client import Diaphane, Scan
+from .errors import (
+    ApiError,
+    AuthenticationError,
+    BusyError,
+    ConnectionLost,
+    DiaphaneError,
+    ForbiddenError,
+    InvalidError,
+    NotFoundError,
+    QuotaError,
+    ScanError,
+    StreamError,
+    UnreadableFile,
+    UploadInterrupted,
+    WaitedTooLong,
+)
+from .picture import ErrorCurve, ErrorPoint, Picture, Slice
+from .session import Session
+
+__version__ = "1.0.0"
+__all__ = [
+    "ApiError",
+    "AuthenticationError",
+    "BusyError",
+    "ConnectionLost",
+    "Diaphane",
+    "DiaphaneError",
+    "ErrorCurve",
+    "ErrorPoint",
+    "ForbiddenError",
+    "InvalidError",
+    "NotFoundError",
+    "Picture",
+    "QuotaError",
+    "Scan",
+    "ScanError",
+    "Scene",
+    "Session",
+    "Slice",
+    "StreamError",
+    "UnreadableFile",
+    "UploadInterrupted",
+    "WaitedTooLong",
+]

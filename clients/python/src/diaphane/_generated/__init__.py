@@ -1,0 +1,1 @@
+"""Code that `./diaphane client` generates from the API contract."""

@@ -1,0 +1,44 @@
+import type { Send } from "./sharing";
+
+const path = "/v1/me/tokens";
+
+/** What a token permits. No scope includes another. */
+export type TokenScope = "read" | "write" | "share";
+export const tokenScopes: readonly TokenScope[] = ["read", "write", "share"];
+
+/** An API token, with which programs use the account. */
+export interface ApiToken {
+  readonly id: string;
+  readonly name: string;
+  readonly scopes: readonly TokenScope[];
+  readonly created_at: string;
+  readonly expires_at: string;
+  /** Accurate to ten minutes. Null for an unused token. */
+  readonly used_at: string | null;
+}
+
+export interface TokenOrder {
+  readonly name: string;
+  readonly scopes: readonly TokenScope[];
+  readonly days: number;
+  readonly password: string;
+  /** Only with two-factor authentication. */
+  readonly code?: string;
+}
+
+export class ApiTokensApi {
+  constructor(private readonly send: Send) {}
+
+  async list(): Promise<readonly ApiToken[]> {
+    return ((await (await this.send("GET", path)).json()) as { items: ApiToken[] }).items;
+  }
+
+  /** Returns the text of the new token, which the server cannot show again. */
+  async create(order: TokenOrder): Promise<string> {
+    return ((await (await this.send("POST", path, { ...order })).json()) as { token: string }).token;
+  }
+
+  async revoke(id: string): Promise<void> {
+    await this.send("DELETE", `${path}/${id}`);
+  }
+}

@@ -1,0 +1,32 @@
+/** API tokens on the account page. */
+export const apiTokens = {
+  title: "API tokens",
+  about:
+    "With an API token, a program such as a Python script can use your account without your password. It can never change your password, your two-factor authentication, your tokens or your account. Changing your password or signing out everywhere revokes all tokens.",
+  none: "You have no API tokens.",
+  scopes: {
+    read: "List, view and render scans",
+    write: "Upload, edit and delete scans",
+    share: "Share scans with people, with links and in the gallery",
+  },
+  until: (day: string) => `Valid until ${day}`,
+  used: (when: string) => `last used ${when}`,
+  unused: "never used",
+  revoke: "Revoke",
+  revokeOne: (name: string) => `Revoke ${name}`,
+  full: "You have as many tokens as an account can hold. Revoke one first.",
+  ask: "Create a token…",
+  name: "Name",
+  nameHint: "What the token is for, for example “Laptop in the lab”.",
+  may: "The token may",
+  noScope: "Choose at least one.",
+  life: "Valid for",
+  lives: { 7: "7 days", 30: "30 days", 90: "90 days", 365: "1 year" },
+  create: "Create token",
+  newToken: "Your new token. Copy it now, because it won’t be shown again. Anyone who has it can use your account.",
+  tokenText: "New token",
+  copy: "Copy",
+  copied: "Copied.",
+  copyFailed: "The token couldn’t be copied. Select it and copy it yourself.",
+  kept: "I’ve saved it",
+} as const;
