@@ -179,6 +179,7 @@ function troubleOfClose(code: number): Trouble {
     case 4429:
       return "no_worker";
     case 4400:
+    case 1009:
       return "refused";
     default:
       return "lost";
