@@ -5,6 +5,7 @@ import { ShareScanDialog } from "../share_scan";
 import { ExportDialog } from "./export/export_dialog";
 import type { Shot } from "./export/shot";
 import { HelpDialog, type HelpDialogProps } from "./help_dialog";
+import { looksOnKeys } from "./looks_on_keys";
 import { RecordingDialog } from "./recording";
 import { SavedPresets } from "./saved_presets";
 import { ShareDialog } from "./share_dialog";
@@ -26,7 +27,7 @@ export interface ViewerDialogsProps {
 export function ViewerDialogs({ open, close, session, role, own, set, onChange, shot }: ViewerDialogsProps) {
   switch (open) {
     case "help":
-      return <HelpDialog has={buttonsOf(session, own, set)} onClose={close} />;
+      return <HelpDialog has={buttonsOf(session, own, set)} looks={looksOnKeys(session, role)} onClose={close} />;
     case "share":
       return session ? <ShareDialog session={session} role={role} owner={own} onClose={close} /> : null;
     case "scan":
