@@ -12,6 +12,7 @@ import { encodeCurveQuery, encodeKernelQuery, type KernelReport } from "../proto
 import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
 import { encodeHand } from "../protocol/mark_messages";
 import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
+import { forVisit } from "../protocol/visit_socket";
 import { firstState, isOver, type ConnectionState } from "../protocol/connection";
 import {
   comingSlice,
@@ -146,7 +147,7 @@ export class ViewerSession {
     this.client = new StreamClient(
       {
         ticketSource: place.ticketSource(before.session_id, (id) => (this.currentSessionId = id)),
-        openSocket: openBrowserSocket,
+        openSocket: place.isVisit ? forVisit(openBrowserSocket) : openBrowserSocket,
         nextFrame: (task) => requestAnimationFrame(task),
         after,
         chance: Math.random,
@@ -430,6 +431,7 @@ export class ViewerSession {
 
   private configured(config: Config): void {
     this.pictures.reset();
+    this.problem.value = ""; // of the worker that is no longer connected
     this.device.value = config.device;
     this.kernel.value = null;
     this.volume.value = config.volume ?? null;
