@@ -1,12 +1,14 @@
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import type { Area, Point } from "../input/flat";
 import { Collaboration } from "../live/collaboration";
+import { OwnView } from "../live/own_view";
 import { SharedMarks } from "../live/shared_marks";
 import type { MarkLibrary } from "../marks/library";
 import { Marks } from "../marks/marks";
 import { marksFromText, marksToText } from "../marks/memory";
 import type { After } from "../live/paced";
 import type { Place } from "../live/place";
+import { roleOf } from "../live/role";
 import type { Answered } from "../protocol/depth_queries";
 import { encodeCurveQuery, encodeKernelQuery, type KernelReport } from "../protocol/file_messages";
 import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
@@ -95,6 +97,7 @@ export class ViewerSession {
   readonly slices: Slices;
   /** What the participants show each other. */
   readonly collaboration: Collaboration;
+  readonly ownView = new OwnView();
   readonly marks = new Marks();
   /** Sets of marks with changes that the server may not have yet. */
   unsavedSets: readonly string[] = [];
@@ -118,6 +121,7 @@ export class ViewerSession {
   });
 
   private readonly sharedMarks: SharedMarks;
+  private readonly stopWatching: () => void;
   private readonly client: StreamClient;
   private readonly resizeDebouncer: ResizeDebouncer;
   private currentSessionId: string | null;
@@ -173,6 +177,9 @@ export class ViewerSession {
       damaged: () => (this.problem.value = t.viewer.tileDamaged),
       nowMs,
     });
+    this.stopWatching = effect(() => {
+      if (this.pictures.picture.value) this.ownView.pictureCame();
+    });
     this.sharedMarks = this.shareMarks();
     this.resizeDebouncer = new ResizeDebouncer(this.canvasSize, (size) => this.resized(size), { nowMs, after });
     this.editor.begun.value = before.begun;
@@ -195,6 +202,7 @@ export class ViewerSession {
     const id = this.currentSessionId;
     this.currentSessionId = null;
     this.remember();
+    this.stopWatching();
     this.client.stop();
     this.resizeDebouncer.stop();
     this.collaboration.stop();
@@ -237,6 +245,7 @@ export class ViewerSession {
   }
 
   useFreeCamera(on: boolean): void {
+    this.ownView.asked(on);
     this.client.useFreeCamera(on);
   }
 
@@ -378,6 +387,7 @@ export class ViewerSession {
       state: (state) => this.pictures.setConverged(state.converged ? Number(state.epoch) : null),
       audience: (audience) => {
         this.audience.value = audience;
+        this.ownView.audienceChanged(roleOf(audience).freeCamera);
         this.slices.allow(sliceAccess[audience.slices]);
         this.collaboration.audienceChanged(audience);
         this.sharedMarks.audienceChanged(audience);
@@ -390,6 +400,7 @@ export class ViewerSession {
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
       problem: ({ field, message }) => {
         this.pictures.beginWith(0); // the first input may be the refused one
+        if (field.startsWith("own_camera")) this.ownView.refused();
         // A refused pointer or mark needs no message: the presenter has turned off those of guests.
         if (field !== "pointer" && field !== "marks") this.problem.value = problemText(field, message);
       },
