@@ -200,6 +200,11 @@ def test_nothing_of_a_scan_stays_with_a_guest_after_the_end(visit, opened, pictu
     expect(guest.get_by_role("heading", name="Your visit has ended")).to_be_visible()
     expect(guest.locator(".slice-pane, .live-line")).to_have_count(0)
     expect(guest.locator(".stage > canvas")).to_be_hidden()
+    expect(guest.locator(".viewer-tools").get_by_role("button", name="Controls")).to_be_visible()
+    expect(guest.locator(".tool-screenshot, .tool-reset, .tool-share")).to_have_count(0)
+    guest.keyboard.press("s")
+    guest.keyboard.press("?")
+    expect(guest.get_by_role("dialog")).to_have_accessible_name("Controls")
     guest.screenshot(path=pictures / "layout-guest-ended.png")
 
 

@@ -1,5 +1,6 @@
 import type { DataSet } from "../../api/types";
 import type { Role } from "../../live/role";
+import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { ShareScanDialog } from "../share_scan";
 import { ExportDialog } from "./export/export_dialog";
@@ -35,7 +36,9 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
     case "presets":
       return set && session ? <SavedPresets session={session} set={set} onClose={close} /> : null;
     case "export":
-      return session ? <ExportOfPicture session={session} own={own} shot={shot} close={close} /> : null;
+      return session && !isVisitOver(session.connection.value) ? (
+        <ExportOfPicture session={session} own={own} shot={shot} close={close} />
+      ) : null;
     case "recording":
       return <RecordingDialog onClose={close} />;
     case null:
