@@ -128,6 +128,8 @@ export class ViewerSession {
   private canvasSize: Viewport;
   private curveRequestedMs = -Infinity;
   private followed = false;
+  /** The size of the presenter's picture, once this viewer has followed. */
+  private presentersSize: Viewport | null = null;
   private remembering: ReturnType<typeof setTimeout> | undefined;
   private curveCame: () => void = () => undefined;
 
@@ -177,9 +179,7 @@ export class ViewerSession {
       damaged: () => (this.problem.value = t.viewer.tileDamaged),
       nowMs,
     });
-    this.stopWatching = effect(() => {
-      if (this.pictures.picture.value) this.ownView.pictureCame();
-    });
+    this.stopWatching = this.watchPictures();
     this.sharedMarks = this.shareMarks();
     this.resizeDebouncer = new ResizeDebouncer(this.canvasSize, (size) => this.resized(size), { nowMs, after });
     this.editor.begun.value = before.begun;
@@ -350,6 +350,16 @@ export class ViewerSession {
     tab.setItem(marksKey(this.place.key), marksToText(marks));
   }
 
+  /** Notes what each new picture on the screen means to a follower. */
+  private watchPictures(): () => void {
+    return effect(() => {
+      const shown = this.pictures.picture.value;
+      if (!shown) return;
+      this.ownView.pictureCame();
+      if (this.followed) this.presentersSize = shown;
+    });
+  }
+
   private shareMarks(): SharedMarks {
     return new SharedMarks({
       say: (message) => this.client.say(message),
@@ -427,9 +437,9 @@ export class ViewerSession {
 
   /** Reframes the picture, which someone else framed until now for a window of another shape. */
   private tookOver(): void {
-    const shown = this.pictures.picture.value;
+    const before = this.presentersSize; // not that of the last picture, which may be of an own view
     const firstInput = this.client.inputSeq + 1; // read first, because the editor may send this input at once
-    if (shown && this.editor.resized(shown, this.canvasSize)) this.pictures.beginWith(firstInput);
+    if (before && this.editor.resized(before, this.canvasSize)) this.pictures.beginWith(firstInput);
   }
 
   private resized(size: Viewport): void {
@@ -452,7 +462,8 @@ export class ViewerSession {
     this.labels.value = []; // sent next, if there are any
     this.collaboration.connected();
     this.sharedMarks.connected();
-    const untouched = !config.follower && config.inputSeq === 0n && this.client.inputSeq === 0;
+    const isFirst = !config.follower && this.presentersSize === null;
+    const untouched = isFirst && config.inputSeq === 0n && this.client.inputSeq === 0;
     const firstInput = this.client.inputSeq + 1; // read first, because the editor may send this input at once
     const isReframed = this.editor.configured(config, untouched);
     // The worker has begun to render the volume's own view, which is too large for a narrow window.
