@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from playwright.sync_api import Page, WebSocketRoute, expect
 from harness import TestStack
 from person import Person
 from picture import last_input, wait_for_samples
+from seeds import write_person
 from test_in_picture import open_scan
 from test_live_session import MARGINS
 from test_videos import taking
@@ -252,6 +254,11 @@ def test_german_pages_fit_small_windows(stack: TestStack, visit, pictures: Path)
         page.screenshot(path=pictures / f"layout-de{path.replace('/', '-')}.png")
         foot = page.locator(".foot").bounding_box()
         assert foot["y"] + foot["height"] <= 720, path
+    session = write_person(stack.psql, f"konto-{secrets.token_hex(4)}@example.org")
+    stack.psql("UPDATE web_sessions SET browser = 'Chrome on Linux' WHERE user_id = %s", session.id)
+    page.context.add_cookies([{"name": "diaphane", "value": session.token, "url": stack.url, "httpOnly": True, "sameSite": "Strict"}])
+    page.goto(stack.url + "/account")
+    expect(page.get_by_text("Chrome unter Linux")).to_be_visible()
     phone = visit(phone=True, locale="de-DE")
     phone.goto(stack.url)
     expect(phone.get_by_role("heading", name="Sehen Sie")).to_be_visible()
