@@ -99,10 +99,10 @@ function Chooser({ session, dataSetId, onConfirm, volume, facts }: ChooserProps)
             {t.cut.goes(percent)}
           </p>
           <div class="cut-buttons">
-            <SmallButton text={t.cut.keepAll} onClick={() => change(wholeRegion(bounds), true)} />
             {proposal ? (
               <SmallButton text={t.cut.propose} onClick={() => change(fromProposal(proposal, bounds), true)} />
             ) : null}
+            <SmallButton text={t.cut.keepAll} onClick={() => change(wholeRegion(bounds), true)} />
             <Link href={`/view/${dataSetId}`} class="button button-small">
               {t.cut.leave}
             </Link>
