@@ -16,7 +16,7 @@ describe("a follower's own view", () => {
     expect(own.coming.value).toBe(false);
   });
 
-  it("is no longer prepared once it is refused, given up or taken away", () => {
+  it("is no longer prepared once it is refused, given up or ended", () => {
     const own = new OwnView();
     for (const end of [
       () => own.refused(),
