@@ -90,7 +90,11 @@ def test_the_cut_handles_work_by_touch(stack: TestStack, visit, cranium: Path, p
     page = visit(phone=True)
     person = Person.arrives(stack, page, "finger")
     data_set = person.has_scan(cranium, "A head")
+    # While the server does not answer, the page says so. The panel comes as soon as it does.
+    page.route("**/anonymise", lambda route: route.abort())
     page.goto(f"{stack.url}/cut/{data_set}")
+    expect(page.locator(".cut-panel").get_by_text("We can’t reach Diaphane")).to_be_visible()
+    page.unroute("**/anonymise")
     expect(page.get_by_text("This scan shows a head")).to_be_visible()
     wait_for_samples(stack, page, 2)
     page.screenshot(path=pictures / "cut-phone.png")

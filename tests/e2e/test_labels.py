@@ -127,7 +127,7 @@ def test_labels_are_added_listed_shown_and_named(person: Person, tmp_path: Path,
     picker.click(position={"x": box["width"] * 0.76, "y": box["height"] * 0.45})
     expect(page.get_by_role("status").filter(has_text=f"Structure {LEFT}")).to_be_visible()
     page.screenshot(path=pictures / "labels-named.png")
-    picker.press("Escape")
+    page.get_by_role("button", name="Done").click()
 
     page.get_by_role("button", name=f"Show only Structure {LEFT}").click()
     wait_redness(person, 8, 255)

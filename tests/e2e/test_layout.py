@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from pathlib import Path
 
 import pytest
@@ -9,9 +10,12 @@ from playwright.sync_api import Page, WebSocketRoute, expect
 
 from harness import TestStack
 from person import Person
-from picture import wait_for_samples
+from picture import last_input, wait_for_samples
+from seeds import write_person
 from test_in_picture import open_scan
 from test_live_session import MARGINS
+from test_videos import taking
+from touch import Fingers
 
 WINDOWS = {"en": ("Materials", "Light", "Lens and quality", "Cuts and slices", "Marks"),
            "de": ("Materialien", "Licht", "Objektiv und Qualität", "Schnitte und Schichten", "Markierungen")}
@@ -32,6 +36,19 @@ TOP = """() => {
         let bright = 0;
         for (let x = 0; x < columns; ++x) bright += rgba[4 * (y * columns + x)] > 120;
         if (bright > columns / 2) return box.top + (y * box.height) / height;
+    }
+    return NaN;
+}"""
+
+#: Runs in the page: the first column of the subject in CSS pixels, like TOP.
+LEFT = """() => {
+    const canvas = document.querySelector(".stage > canvas"), { width, height } = canvas;
+    const rgba = canvas.getContext("2d").getImageData(0, height * 0.25, width, height * 0.5).data;
+    const rows = rgba.length / 4 / width, box = canvas.getBoundingClientRect();
+    for (let x = 0; x < width; ++x) {
+        let bright = 0;
+        for (let y = 0; y < rows; ++y) bright += rgba[4 * (y * width + x)] > 120;
+        if (bright > rows / 50) return box.left + (x * box.width) / width;
     }
     return NaN;
 }"""
@@ -100,6 +117,26 @@ def test_notes_above_the_picture_never_cover_the_subject(stack: TestStack, opene
         box = page.locator(note).bounding_box()
         assert page.evaluate(TOP) >= box["y"] + box["height"], note
         page.keyboard.press("Escape")
+    # The progress of a video is such a note, too.
+    dialog = taking(page, "turntable")
+    dialog.get_by_role("button", name="Save the video").click()
+    line = page.locator("[data-shot=rendering]")
+    expect(line).to_be_visible()
+    page.screenshot(path=pictures / f"layout-video-{width}.png")
+    box = line.bounding_box()
+    assert page.evaluate(TOP) >= box["y"] + box["height"]
+    line.get_by_role("button", name="Cancel").click()
+
+
+def test_the_subject_turns_beside_the_menu_on_a_phone(stack: TestStack, opened, pictures: Path):
+    page, _ = opened("en-GB", 390, 844, phone=True)
+    page.keyboard.press("Escape")
+    menu = page.locator(".menu").bounding_box()
+    for turn in range(4):
+        Fingers(page).drag([((160, 380), (260, 380))])
+        wait_for_samples(stack, page, 2, input_seq=last_input(page))
+        page.screenshot(path=pictures / f"layout-phone-turned-{turn}.png")
+        assert page.evaluate(LEFT) >= menu["x"] + menu["width"], turn
 
 
 def test_a_preset_without_a_picture_says_so(opened, pictures: Path):
@@ -194,11 +231,16 @@ def test_nothing_of_a_scan_stays_with_a_guest_after_the_end(visit, opened, pictu
     guest = visit()
     guest.goto(link)
     guest.get_by_role("button", name="Join", exact=True).click()
-    expect(guest.locator(".slice-pane")).to_have_count(3)
+    expect(guest.locator(".slice-pane")).to_have_count(3)  # they open as the presenter's do
     dialog.get_by_role("button", name="Disable link").click()
     expect(guest.get_by_role("heading", name="Your visit has ended")).to_be_visible()
     expect(guest.locator(".slice-pane, .live-line")).to_have_count(0)
     expect(guest.locator(".stage > canvas")).to_be_hidden()
+    expect(guest.locator(".viewer-tools").get_by_role("button", name="Controls")).to_be_visible()
+    expect(guest.locator(".tool-screenshot, .tool-reset, .tool-share")).to_have_count(0)
+    guest.keyboard.press("s")
+    guest.keyboard.press("?")
+    expect(guest.get_by_role("dialog")).to_have_accessible_name("Controls")
     guest.screenshot(path=pictures / "layout-guest-ended.png")
 
 
@@ -211,6 +253,11 @@ def test_german_pages_fit_small_windows(stack: TestStack, visit, pictures: Path)
         page.screenshot(path=pictures / f"layout-de{path.replace('/', '-')}.png")
         foot = page.locator(".foot").bounding_box()
         assert foot["y"] + foot["height"] <= 720, path
+    session = write_person(stack.psql, f"konto-{secrets.token_hex(4)}@example.org")
+    stack.psql("UPDATE web_sessions SET browser = 'Chrome on Linux' WHERE user_id = %s", session.id)
+    page.context.add_cookies([{"name": "diaphane", "value": session.token, "url": stack.url, "httpOnly": True, "sameSite": "Strict"}])
+    page.goto(stack.url + "/account")
+    expect(page.get_by_text("Chrome unter Linux")).to_be_visible()
     phone = visit(phone=True, locale="de-DE")
     phone.goto(stack.url)
     expect(phone.get_by_role("heading", name="Sehen Sie")).to_be_visible()

@@ -220,6 +220,14 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     expect(nobody.get_by_text("Not for diagnosis")).to_be_visible()
     expect(nobody.locator(".preset svg, .preset img")).to_have_count(6)  # a colour until the picture has been made
     expect(nobody.get_by_role("button", name="Show the slices (V)")).to_be_visible()  # everyone may use the slices of a sample
+    # Their time ends, and they may begin again.
+    stack.psql("UPDATE visits SET expires_at = now() WHERE data_set_id = %s", scan)
+    expect(nobody.get_by_role("heading", name="Your visit has ended")).to_be_visible()
+    expect(nobody.get_by_text("20 minutes at a time")).to_be_visible()
+    expect(nobody.locator(".stage > canvas")).to_be_hidden()
+    nobody.screenshot(path=pictures / "sample-time-over.png")
+    nobody.get_by_role("button", name="View it again").click()
+    expect(nobody.locator("canvas[data-samples]")).to_be_visible()
     stack.psql("DELETE FROM data_sets WHERE id = %s", scan)  # keeps later tests unaffected
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from pathlib import Path
@@ -86,6 +88,10 @@ def test_the_help_begins_at_its_top_and_names_every_icon(fake, visit, pictures: 
     listed = dialog.locator(".help-buttons li").all_inner_texts()
     assert len(names) > 10
     assert {name.removesuffix(" (V)") for name in names} - {"Controls"} == {name.strip() for name in listed}
+    # The keys of the looks are as many as the looks.
+    looks = page.locator("[data-preset]").count()
+    expect(dialog.get_by_role("row", name="Choose a look")).to_contain_text(f"1 to {looks}")
+    expect(page.locator(".stage canvas")).to_have_attribute("aria-label", re.compile(f" 1 to {looks} choose a look"))
 
 
 def test_a_card_without_a_picture_says_why(fake, visit, pictures: Path):

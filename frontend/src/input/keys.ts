@@ -21,6 +21,9 @@ export interface KeyPress {
   readonly meta: boolean;
 }
 
+/** The number keys from 1 to this one choose a look. */
+export const mostLookKeys = 7;
+
 const step = (5 * Math.PI) / 180;
 const zoomStep = 1.12;
 
@@ -55,7 +58,9 @@ export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null 
     case "?":
       return { kind: "help" };
     default:
-      return /^[1-7]$/.test(press.key) ? { kind: "preset", index: Number(press.key) - 1 } : null;
+      return /^[1-9]$/.test(press.key) && Number(press.key) <= mostLookKeys
+        ? { kind: "preset", index: Number(press.key) - 1 }
+        : null;
   }
 }
 

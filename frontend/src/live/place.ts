@@ -11,6 +11,8 @@ export interface Place {
   readonly data_set_id: string | null;
   /** The scan whose pictures this person may load; a guest gets those of samples only. */
   readonly pictured_id: string | null;
+  /** Whether this is a visit, which is over when its session is. */
+  readonly isVisit: boolean;
   /**
    * Lists the saved marks. Null if this person gets none; a guest of a live session sees those that
    * its participants show.
@@ -26,6 +28,7 @@ export function ownPlace(api: Api, dataSetId: string): Place {
     key: dataSetId,
     data_set_id: dataSetId,
     pictured_id: dataSetId,
+    isVisit: false,
     savedMarks: () => api.annotations.list(dataSetId),
     ticketSource: (known, session) => sessionTicketSource(api, dataSetId, known, session),
     leave: (sessionId) => {
@@ -39,6 +42,7 @@ export function guestPlace(api: Api, token: string, guest: Guest): Place {
     key: `guest.${token.slice(0, 8)}`,
     data_set_id: null,
     pictured_id: null,
+    isVisit: false,
     savedMarks: null,
     ticketSource: () => guestTicketSource(api, token, guest.key, guest.name),
     leave: () => undefined,
@@ -55,6 +59,7 @@ export function visitPlace(
     key: `visit.${key.slice(0, 8)}`,
     data_set_id: null,
     pictured_id: "data_set_id" in what ? what.data_set_id : null,
+    isVisit: true,
     savedMarks: () => ("token" in what ? api.annotations.follow(what.token) : api.annotations.list(what.data_set_id)),
     ticketSource: () => visitTicketSource(api.sharing, what, key),
     leave: () => undefined,

@@ -39,6 +39,19 @@ describe("the connection", () => {
     }
   });
 
+  it("says what the codes of the contract mean", () => {
+    const troubles = {
+      4400: "refused",
+      1009: "refused",
+      4429: "no_worker",
+      4503: "worker_lost",
+      4404: "lost",
+      1000: "lost",
+    };
+    for (const [code, trouble] of Object.entries(troubles))
+      expect(run([...toLive, { kind: "closed", code: Number(code) }]).state.trouble).toBe(trouble);
+  });
+
   it("treats a server that can't be reached like a closed connection, but only while it is live", () => {
     const lost = run([...toLive, { kind: "lost" }]);
     expect(lost.effects).toEqual(["close", "timer"]);

@@ -70,7 +70,10 @@ export const firstState: ConnectionState = { phase: "idle", attempt: 0, wasLive:
 /**
  * Whether there are no more pictures, because a visit has ended or the rendering time is used up.
  */
-export const isOver = ({ trouble }: ConnectionState): boolean => trouble === "link_ended" || trouble === "time_spent";
+export const isOver = (state: ConnectionState): boolean => isVisitOver(state) || state.trouble === "time_spent";
+
+/** Whether a visit has ended, of which nothing may be shown or saved any longer. */
+export const isVisitOver = ({ trouble }: ConnectionState): boolean => trouble === "link_ended";
 
 const stepLimitMs = 10_000;
 const waitsMs = [150, 300, 600, 1000, 1500, 2000];
@@ -179,6 +182,7 @@ function troubleOfClose(code: number): Trouble {
     case 4429:
       return "no_worker";
     case 4400:
+    case 1009:
       return "refused";
     default:
       return "lost";

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { groupedElement } from "./clean_file";
 import { pieceOf } from "./piece";
 import { HeaderReader } from "./read_file";
 import { scanFiles } from "./scan";
@@ -95,5 +96,16 @@ describe("the uploaded part of a slice", () => {
     expect(await new HeaderReader().read(pieceOf(cut), 0)).toMatchObject({
       headers: [{ truncated: true, voxels: null }],
     });
+  });
+
+  it("replaces the names of stacks, and keeps different ones apart", () => {
+    const sent = (name: string) => {
+      const kept = groupedElement("x00209111", "x00209056", new TextEncoder().encode(name));
+      return String.fromCharCode(...(kept?.bytes ?? []));
+    };
+    const names = Array.from({ length: 300 }, (_, i) => `Stack ${i}`);
+    expect(new Set(names.map(sent)).size).toBe(names.length);
+    for (const name of names) expect(sent(name)).toMatch(/^[0-9a-f]{8}$/);
+    expect(sent("Secret ")).toBe(sent("Secret"));
   });
 });

@@ -1,3 +1,4 @@
+import { sha256 } from "@noble/hashes/sha2.js";
 import { disguisedUid } from "./disguised_uid";
 import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./types";
 
@@ -154,11 +155,13 @@ export const groupedTags: Readonly<Record<string, readonly string[]>> = {
 };
 
 /**
- * Replaces the name of a stack, which can be any text, by a small hash, so that equal names stay
- * equal.
+ * Replaces the name of a stack, which can be any text, by a short hash. Equal names stay equal, and
+ * different names stay different, because frames of two stacks must not become one.
  */
-const disguised = (text: string): string =>
-  String(Array.from(text).reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7));
+const disguised = (name: string): string =>
+  Array.from(sha256(new TextEncoder().encode(name)).subarray(0, 4), (byte) => byte.toString(16).padStart(2, "0")).join(
+    "",
+  );
 
 export function groupedElement(group: string, tag: string, bytes: Uint8Array): GroupedElement | null {
   if (tag === "x00209056") return { ...coded(tag, "SH", disguised(String.fromCharCode(...bytes).trim())), group };

@@ -69,13 +69,29 @@ describe("reading a header", () => {
     expect(await reads(10)).toEqual([8]);
   });
 
-  it("inflates a deflated header, within limits", async () => {
+  /** A deflated file of so many frames of 2,000 × 2,000 points, of which every `step`th byte is noise. */
+  const deflated = (frames: number, step: number) => {
     const plain = makeSlice({ syntax: "1.2.840.10008.1.2.1.99" });
     const at = plain.length - makeSlice({ preamble: "nothing" }).length;
-    const body = makeSlice({ preamble: "nothing", pixels: new Uint8Array(8_000_000), rows: 2000, columns: 2000 });
-    const bomb = concat([plain.subarray(0, at), deflateRawSync(body)]);
-    expect(bomb.length).toBeLessThan(100_000);
-    expect(await header(new Blob([bomb]))).toMatchObject({ rows: 2000, transferSyntax: "1.2.840.10008.1.2.1" });
+    const pixels = new Uint8Array(frames * 8_000_000);
+    for (let i = 0; i < pixels.length; i += step) pixels[i] = (i * 2_654_435_761) >>> 24;
+    const body = makeSlice({ preamble: "nothing", pixels, frames, rows: 2000, columns: 2000 });
+    return new Blob([concat([plain.subarray(0, at), deflateRawSync(body, { level: 1 })])]);
+  };
+
+  it("inflates a deflated file completely, also a large one", async () => {
+    const small = deflated(1, 8_000_000);
+    expect(small.size).toBeLessThan(100_000);
+    expect(await header(small)).toMatchObject({
+      rows: 2000,
+      transferSyntax: "1.2.840.10008.1.2.1",
+      truncated: false,
+    });
+    expect(await header(deflated(3, 8))).toMatchObject({ frames: 3, truncated: false });
+  });
+
+  it("does not read a deflated file that expands too far, instead of cutting it off", async () => {
+    expect(await header(deflated(3, 24_000_000))).toBe("unreadable");
   });
 
   it("recognises other files", async () => {

@@ -1,17 +1,20 @@
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import type { Area, Point } from "../input/flat";
 import { Collaboration } from "../live/collaboration";
+import { OwnView } from "../live/own_view";
 import { SharedMarks } from "../live/shared_marks";
 import type { MarkLibrary } from "../marks/library";
 import { Marks } from "../marks/marks";
 import { marksFromText, marksToText } from "../marks/memory";
 import type { After } from "../live/paced";
 import type { Place } from "../live/place";
+import { roleOf } from "../live/role";
 import type { Answered } from "../protocol/depth_queries";
 import { encodeCurveQuery, encodeKernelQuery, type KernelReport } from "../protocol/file_messages";
 import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
 import { encodeHand } from "../protocol/mark_messages";
 import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
+import { forVisit } from "../protocol/visit_socket";
 import { firstState, isOver, type ConnectionState } from "../protocol/connection";
 import {
   comingSlice,
@@ -95,6 +98,7 @@ export class ViewerSession {
   readonly slices: Slices;
   /** What the participants show each other. */
   readonly collaboration: Collaboration;
+  readonly ownView = new OwnView();
   readonly marks = new Marks();
   /** Sets of marks with changes that the server may not have yet. */
   unsavedSets: readonly string[] = [];
@@ -118,12 +122,15 @@ export class ViewerSession {
   });
 
   private readonly sharedMarks: SharedMarks;
+  private readonly stopWatching: () => void;
   private readonly client: StreamClient;
   private readonly resizeDebouncer: ResizeDebouncer;
   private currentSessionId: string | null;
   private canvasSize: Viewport;
   private curveRequestedMs = -Infinity;
   private followed = false;
+  /** The size of the presenter's picture, once this viewer has followed. */
+  private presentersSize: Viewport | null = null;
   private remembering: ReturnType<typeof setTimeout> | undefined;
   private curveCame: () => void = () => undefined;
 
@@ -147,7 +154,7 @@ export class ViewerSession {
     this.client = new StreamClient(
       {
         ticketSource: place.ticketSource(before.session_id, (id) => (this.currentSessionId = id)),
-        openSocket: openBrowserSocket,
+        openSocket: place.isVisit ? forVisit(openBrowserSocket) : openBrowserSocket,
         nextFrame: (task) => requestAnimationFrame(task),
         after,
         chance: Math.random,
@@ -173,6 +180,7 @@ export class ViewerSession {
       damaged: () => (this.problem.value = t.viewer.tileDamaged),
       nowMs,
     });
+    this.stopWatching = this.watchPictures();
     this.sharedMarks = this.shareMarks();
     this.resizeDebouncer = new ResizeDebouncer(this.canvasSize, (size) => this.resized(size), { nowMs, after });
     this.editor.begun.value = before.begun;
@@ -195,6 +203,7 @@ export class ViewerSession {
     const id = this.currentSessionId;
     this.currentSessionId = null;
     this.remember();
+    this.stopWatching();
     this.client.stop();
     this.resizeDebouncer.stop();
     this.collaboration.stop();
@@ -237,6 +246,7 @@ export class ViewerSession {
   }
 
   useFreeCamera(on: boolean): void {
+    this.ownView.asked(on);
     this.client.useFreeCamera(on);
   }
 
@@ -341,6 +351,16 @@ export class ViewerSession {
     tab.setItem(marksKey(this.place.key), marksToText(marks));
   }
 
+  /** Notes what each new picture on the screen means to a follower. */
+  private watchPictures(): () => void {
+    return effect(() => {
+      const shown = this.pictures.picture.value;
+      if (!shown) return;
+      this.ownView.pictureCame();
+      if (this.followed) this.presentersSize = shown;
+    });
+  }
+
   private shareMarks(): SharedMarks {
     return new SharedMarks({
       say: (message) => this.client.say(message),
@@ -378,6 +398,7 @@ export class ViewerSession {
       state: (state) => this.pictures.setConverged(state.converged ? Number(state.epoch) : null),
       audience: (audience) => {
         this.audience.value = audience;
+        this.ownView.audienceChanged(roleOf(audience).freeCamera);
         this.slices.allow(sliceAccess[audience.slices]);
         this.collaboration.audienceChanged(audience);
         this.sharedMarks.audienceChanged(audience);
@@ -390,6 +411,7 @@ export class ViewerSession {
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
       problem: ({ field, message }) => {
         this.pictures.beginWith(0); // the first input may be the refused one
+        if (field.startsWith("own_camera")) this.ownView.refused();
         // A refused pointer or mark needs no message: the presenter has turned off those of guests.
         if (field !== "pointer" && field !== "marks") this.problem.value = problemText(field, message);
       },
@@ -416,9 +438,9 @@ export class ViewerSession {
 
   /** Reframes the picture, which someone else framed until now for a window of another shape. */
   private tookOver(): void {
-    const shown = this.pictures.picture.value;
+    const before = this.presentersSize; // not that of the last picture, which may be of an own view
     const firstInput = this.client.inputSeq + 1; // read first, because the editor may send this input at once
-    if (shown && this.editor.resized(shown, this.canvasSize)) this.pictures.beginWith(firstInput);
+    if (before && this.editor.resized(before, this.canvasSize)) this.pictures.beginWith(firstInput);
   }
 
   private resized(size: Viewport): void {
@@ -431,6 +453,7 @@ export class ViewerSession {
 
   private configured(config: Config): void {
     this.pictures.reset();
+    this.problem.value = ""; // of the worker that is no longer connected
     this.device.value = config.device;
     this.kernel.value = null;
     this.volume.value = config.volume ?? null;
@@ -440,7 +463,8 @@ export class ViewerSession {
     this.labels.value = []; // sent next, if there are any
     this.collaboration.connected();
     this.sharedMarks.connected();
-    const untouched = !config.follower && config.inputSeq === 0n && this.client.inputSeq === 0;
+    const isFirst = !config.follower && this.presentersSize === null;
+    const untouched = isFirst && config.inputSeq === 0n && this.client.inputSeq === 0;
     const firstInput = this.client.inputSeq + 1; // read first, because the editor may send this input at once
     const isReframed = this.editor.configured(config, untouched);
     // The worker has begun to render the volume's own view, which is too large for a narrow window.

@@ -115,10 +115,10 @@ function Action({ code }: { readonly code: string }) {
   );
 }
 
+/** What an action was done to. A list has no ID, and the action names it already. */
 function subjectOf({ subject, subject_email: subjectEmail, subject_id: subjectId }: AuditEntry): ComponentChildren {
-  const name = t.admin.subjects[subject] ?? subject;
   if (subjectEmail) return <Address email={subjectEmail} />;
-  return subjectId ? `${name} ${subjectId.slice(0, 8)}` : name;
+  return subjectId ? `${t.admin.subjects[subject] ?? subject} ${subjectId.slice(0, 8)}` : "";
 }
 
 function whoOf(entry: AuditEntry): ComponentChildren {

@@ -126,7 +126,7 @@ function useBrowserSessions() {
 }
 
 function BrowserRow({ session, end }: { readonly session: BrowserSession; readonly end: () => void }) {
-  const name = session.browser || t.myAccount.aBrowser;
+  const name = t.sharing.views.browser(session.browser || t.myAccount.aBrowser);
   return (
     <li>
       <span>

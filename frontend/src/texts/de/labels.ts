@@ -6,6 +6,7 @@ export const labels: Texts["labels"] = {
   coloured: "Die Strukturen farbig zeigen",
   name: "Was ist das?",
   press: "Drücken Sie im Bild auf eine Struktur, um ihren Namen zu sehen.",
+  done: "Fertig",
   noAnswer: "Der Server hat nicht geantwortet. Versuchen Sie es noch einmal.",
   nothingThere: "An dieser Stelle ist nichts von der Aufnahme. Wählen Sie eine andere.",
   unmarked: "Hier ist keine Struktur markiert.",

@@ -45,6 +45,7 @@ export const live: Texts["live"] = {
   handsRaised: (names) => `Hand gehoben: ${names}`,
   lowerHandOf: (name) => `Hand senken: ${name}`,
   freeCamera: "Meine eigene Ansicht",
+  ownViewComing: "Ihre Ansicht wird vorbereitet …",
   noFreeCamera:
     "Eine eigene Ansicht ist gerade nicht möglich, weil der Server ausgelastet ist. Versuchen Sie es später noch einmal.",
   freeCameraTaken:

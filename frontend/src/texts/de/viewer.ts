@@ -4,8 +4,8 @@ import { count, fixed, number } from "./counting";
 export const viewer: Texts["viewer"] = {
   lostEnvironment: "Die Umgebung dieser Ansicht existiert nicht mehr. Ein gleichmäßiges Licht ersetzt sie.",
   back: "Meine Aufnahmen",
-  stage:
-    "3D-Ansicht der Aufnahme. Die Pfeiltasten drehen, Plus und Minus zoomen, R setzt die Ansicht zurück, 1 bis 7 wählen eine Darstellung, und das Fragezeichen zeigt alle Tasten.",
+  stage: (looks) =>
+    `3D-Ansicht der Aufnahme. Die Pfeiltasten drehen, Plus und Minus zoomen, R setzt die Ansicht zurück, ${looks > 1 ? `1 bis ${looks} wählen eine Darstellung, ` : ""}und das Fragezeichen zeigt alle Tasten.`,
   first: "Das Bild wird vorbereitet …",
   troubles: {
     lost: "Verbindung unterbrochen. Sie wird wiederhergestellt …",
@@ -129,7 +129,7 @@ export const viewer: Texts["viewer"] = {
   },
   noCodec:
     "Dieser Browser kann die Bilder nicht anzeigen. Aktualisieren Sie ihn, oder verwenden Sie einen anderen Browser.",
-  helpRows: [
+  helpRows: (looks) => [
     ["Drehen", "Mit der linken Taste ziehen", "Mit einem Finger ziehen", "Pfeiltasten"],
     [
       "Verschieben",
@@ -140,7 +140,7 @@ export const viewer: Texts["viewer"] = {
     ["Zoomen", "Mausrad oder mit der rechten Taste ziehen", "Zwei Finger spreizen oder zusammenziehen", "+ und −"],
     ["Rollen", "Strg + Ziehen", "", "Strg + ← →"],
     ["Ansicht zurücksetzen", "Knopf oben", "Knopf oben", "R"],
-    ["Darstellung wählen", "Bilder unten", "Bilder unten", "1 bis 7"],
+    ...(looks > 1 ? [["Darstellung wählen", "Bilder unten", "Bilder unten", `1 bis ${looks}`] as const] : []),
     ["Rückgängig machen", "Menü links", "Menü links", "Strg + Z"],
     ["Wiederholen", "Menü links", "Menü links", "Strg + Umschalt + Z"],
     ["Schichten zeigen", "Knopf oben", "Knopf oben", "V"],

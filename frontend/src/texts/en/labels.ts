@@ -6,6 +6,7 @@ export const labels = {
   coloured: "Show the structures in colour",
   name: "What is this?",
   press: "Press a structure in the picture to see its name.",
+  done: "Done",
   noAnswer: "The server didn’t answer. Try again.",
   nothingThere: "There is nothing of the scan at this point. Choose another one.",
   unmarked: "No structure is marked here.",

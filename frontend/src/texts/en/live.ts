@@ -44,6 +44,7 @@ export const live = {
   handsRaised: (names: string) => `Hand raised: ${names}`,
   lowerHandOf: (name: string) => `Lower the hand of ${name}`,
   freeCamera: "My own view",
+  ownViewComing: "Preparing your own view…",
   noFreeCamera: "Your own view isn’t available right now because the server is busy. Try again later.",
   freeCameraTaken:
     "Your own view was closed because someone with an account needs the capacity. You see the presenter’s picture again.",

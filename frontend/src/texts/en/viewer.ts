@@ -21,8 +21,9 @@ const troubles: Record<Trouble, string> = {
 export const viewer = {
   lostEnvironment: "The environment of this view no longer exists. An even light takes its place.",
   back: "My scans",
-  stage:
-    "3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, 1 to 7 choose a look, and the question mark shows all keys.",
+  /** `looks` is the number of looks to choose from. */
+  stage: (looks: number) =>
+    `3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, ${looks > 1 ? `1 to ${looks} choose a look, ` : ""}and the question mark shows all keys.`,
   first: "Preparing the picture…",
   troubles,
   /** Added to a trouble while the last picture is still shown. */
@@ -132,13 +133,15 @@ export const viewer = {
     I: "below",
   } as Readonly<Record<string, string>>,
   noCodec: "This browser can’t show the pictures. Update it, or use another browser.",
-  helpRows: [
+  helpRows: (looks: number): readonly (readonly [string, string, string, string])[] => [
     ["Rotate", "Drag with the left button", "Drag with one finger", "Arrow keys"],
     ["Move", "Drag with the middle button, or Shift + drag", "Drag with two fingers", "Shift + arrow keys"],
     ["Zoom", "Wheel, or drag with the right button", "Pinch", "+ and −"],
     ["Roll", "Ctrl + drag", "", "Ctrl + ← →"],
     ["Reset the view", "Button at the top", "Button at the top", "R"],
-    ["Choose a look", "Pictures at the bottom", "Pictures at the bottom", "1 to 7"],
+    ...(looks > 1
+      ? [["Choose a look", "Pictures at the bottom", "Pictures at the bottom", `1 to ${looks}`] as const]
+      : []),
     ["Undo", "Menu on the left", "Menu on the left", "Ctrl + Z"],
     ["Redo", "Menu on the left", "Menu on the left", "Ctrl + Shift + Z"],
     ["Show the slices", "Button at the top", "Button at the top", "V"],
@@ -146,7 +149,7 @@ export const viewer = {
     ["Smooth or coloured slices", "“Smooth” and “Colours” above them", "“Smooth” and “Colours” above them", "Space"],
     ["Full screen", "Button at the top", "", "F"],
     ["Save or share", "Button at the top", "Button at the top", "S"],
-  ] as readonly (readonly [string, string, string, string])[],
+  ],
   helpButtons: { title: "Buttons", slices: "Show the slices" },
   helpHeads: ["Action", "Mouse", "Touch", "Keyboard"] as const,
 } as const;

@@ -1,6 +1,7 @@
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../../api/client";
 import type { DataSet } from "../../api/types";
+import { carryOutCut } from "../../cut/carry_out";
 import { toBody, type Region } from "../../cut/region";
 import { ownPlace } from "../../live/place";
 import { t } from "../../texts";
@@ -25,7 +26,7 @@ export function CutPage({ dataSetId }: { readonly dataSetId: string }) {
     app.api.dataSet(dataSetId).then(setSet, () => undefined);
   }, [app, dataSetId]);
 
-  const { stage, carryOut } = useCut(dataSetId, set);
+  const { stage, carryOut } = useCut(dataSetId);
   if (stage === "choosing") {
     return <Viewer place={place} title={set ? titleOf(set) : ""} set={set} onCut={carryOut} />;
   }
@@ -38,30 +39,28 @@ export function CutPage({ dataSetId }: { readonly dataSetId: string }) {
   );
 }
 
-/** Sends the cut to the server and polls until it has succeeded or failed. */
-function useCut(dataSetId: string, set: DataSet | null) {
+/** Sends the cut to the server and follows it until it has succeeded or failed. */
+function useCut(dataSetId: string) {
   const app = useApp();
   const [stage, setStage] = useState<Stage>("choosing");
+  const left = useRef(false);
+  useEffect(
+    () => () => {
+      left.current = true;
+    },
+    [],
+  );
   const carryOut = (region: Region, volumeHash: string) => {
     setStage("working");
-    app.api.anonymise.cut(dataSetId, toBody(region), volumeHash).catch((thrown: unknown) => {
-      setStage({ failed: thrown instanceof ApiProblem ? problemText(thrown) : "" });
-    });
+    const pause = () => new Promise<void>((resolve) => setTimeout(resolve, pollIntervalMs));
+    const steps = { api: app.api.anonymise, pause, isOver: () => left.current };
+    carryOutCut(steps, dataSetId, toBody(region), volumeHash).then(
+      (outcome) => {
+        if (outcome !== null) setStage(outcome === "done" ? "done" : { failed: serverSentence(outcome.problem, "") });
+      },
+      (thrown: unknown) => setStage({ failed: thrown instanceof ApiProblem ? problemText(thrown) : "" }),
+    );
   };
-  useEffect(() => {
-    if (stage !== "working") return;
-    const ask = () =>
-      app.api.anonymise.look(dataSetId).then(
-        (now) => {
-          if (now.state !== "ready") return;
-          if (now.problem !== null) setStage({ failed: serverSentence(now.problem, "") });
-          else if (now.anonymised_at !== (set?.anonymised_at ?? null)) setStage("done");
-        },
-        () => undefined, // the next poll may succeed
-      );
-    const timer = setInterval(() => void ask(), pollIntervalMs);
-    return () => clearInterval(timer);
-  }, [stage, app, dataSetId, set]);
   return { stage, carryOut };
 }
 

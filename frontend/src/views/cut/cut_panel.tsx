@@ -18,6 +18,7 @@ import { withClip, type VolumeHeader } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
+import { startPolling } from "../polling";
 import { Link } from "../router";
 import { Notice } from "../shell";
 import { useApp } from "../state";
@@ -32,15 +33,40 @@ export interface CutPanelProps {
 
 /** Shows the region to keep in the live picture, as it will look. */
 export function CutPanel(props: CutPanelProps) {
-  const app = useApp();
-  const [facts, setFacts] = useState<Anonymise | null>(null);
-  useEffect(() => {
-    app.api.anonymise.look(props.dataSetId).then(setFacts, () => undefined); // the panel needs the facts
-  }, [app, props.dataSetId]);
+  const { facts, failed } = useFacts(props.dataSetId);
   const volume = props.session.volume.value;
+  if (facts === null && failed)
+    return (
+      <section class="glass cut-panel" aria-label={t.cut.title}>
+        <h2>{t.cut.title}</h2>
+        <Notice kind="bad">{t.problems.unreachable}</Notice>
+      </section>
+    );
   return volume && props.session.editor.scene.value && facts ? (
     <Chooser {...props} volume={volume} facts={facts} />
   ) : null;
+}
+
+const retryMs = 1500;
+
+/** What the server knows about the scan. It is asked again until it answers, because there is no cut without it. */
+function useFacts(dataSetId: string) {
+  const app = useApp();
+  const [facts, setFacts] = useState<Anonymise | null>(null);
+  const [failed, setFailed] = useState(false);
+  useEffect(() => {
+    const polling = startPolling(async () => {
+      try {
+        setFacts(await app.api.anonymise.look(dataSetId));
+        polling.stop();
+      } catch {
+        setFailed(true);
+      }
+      return retryMs;
+    });
+    return polling.stop;
+  }, [app, dataSetId]);
+  return { facts, failed };
 }
 
 interface ChooserProps extends CutPanelProps {
@@ -73,10 +99,10 @@ function Chooser({ session, dataSetId, onConfirm, volume, facts }: ChooserProps)
             {t.cut.goes(percent)}
           </p>
           <div class="cut-buttons">
-            <SmallButton text={t.cut.keepAll} onClick={() => change(wholeRegion(bounds), true)} />
             {proposal ? (
               <SmallButton text={t.cut.propose} onClick={() => change(fromProposal(proposal, bounds), true)} />
             ) : null}
+            <SmallButton text={t.cut.keepAll} onClick={() => change(wholeRegion(bounds), true)} />
             <Link href={`/view/${dataSetId}`} class="button button-small">
               {t.cut.leave}
             </Link>

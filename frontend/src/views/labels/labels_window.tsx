@@ -29,7 +29,11 @@ export function LabelsWindow({ session, picture }: PictureWindowProps) {
           type="button"
           class="button button-small"
           onClick={() =>
-            (picture.picking.value = { label: t.labels.press, pick: (at) => nameAt(session, at, setChosen) })
+            (picture.picking.value = {
+              label: t.labels.press,
+              pick: (at) => nameAt(session, at, setChosen),
+              end: t.labels.done,
+            })
           }
         >
           <Icon name="tag" />

@@ -11,6 +11,8 @@ export type HandleSet = "cuts" | "light";
 export interface Picking {
   readonly label: string;
   readonly pick: (at: Point) => Promise<string | null>;
+  /** What ends the request on a button, if that is not to cancel something. */
+  readonly end?: string;
 }
 
 /** The handles in the picture: those of the open windows, and those that stay after their window is closed. */

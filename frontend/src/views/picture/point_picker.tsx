@@ -34,7 +34,7 @@ export function PointPicker({ picture }: { readonly picture: InPicture }) {
       <div class="glass picker-line">
         <p role="status">{message || picking.label}</p>
         <button type="button" class="button button-small" onClick={end}>
-          {t.settings.picture.pickEnd}
+          {picking.end ?? t.settings.picture.pickEnd}
         </button>
       </div>
     </>

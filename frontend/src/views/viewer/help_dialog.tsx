@@ -10,10 +10,12 @@ export interface HelpDialogProps {
     readonly presets: boolean;
     readonly sharing: boolean;
   };
+  /** The number of looks to choose from. */
+  readonly looks: number;
   readonly onClose: () => void;
 }
 
-export function HelpDialog({ has, onClose }: HelpDialogProps) {
+export function HelpDialog({ has, looks, onClose }: HelpDialogProps) {
   return (
     <Dialog title={t.viewer.help} onClose={onClose}>
       <table class="help">
@@ -27,7 +29,7 @@ export function HelpDialog({ has, onClose }: HelpDialogProps) {
           </tr>
         </thead>
         <tbody>
-          {t.viewer.helpRows.map(([what, mouse, touch, keys]) => (
+          {t.viewer.helpRows(looks).map(([what, mouse, touch, keys]) => (
             <tr key={what} class={touch === "" ? "no-touch" : ""}>
               <th scope="row">{what}</th>
               <td>{mouse}</td>

@@ -1,4 +1,5 @@
 import type { KeyCommand } from "../../input/keys";
+import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { maximiseFocused, toggleSlices } from "./slices/slice_views";
 import type { OpenDialog } from "./viewer_dialogs";
@@ -14,6 +15,7 @@ export interface CommandTargets {
 
 /** Executes a command of the keyboard or of the toolbar. */
 export function obeyCommand(command: KeyCommand, { session, page, slices, open }: CommandTargets): void {
+  if (isVisitOver(session.connection.value) && command.kind !== "help" && command.kind !== "fullscreen") return;
   switch (command.kind) {
     case "gesture":
       session.editor.act(command.gesture);

@@ -30,6 +30,7 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
     ) ?? "";
   const meanwhile = shown && trouble && !stopped ? t.viewer.meanwhile : "";
   const over = overOf(trouble, visitor);
+  const ownView = session?.ownView.coming.value ?? false;
   return (
     <div
       class={`viewer-status${shown === null || over !== null ? " viewer-status-middle" : ""}`}
@@ -37,7 +38,12 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
       data-phase={connection?.phase ?? "idle"}
     >
       {over ?? (
-        <StatusMessage waiting={text === "" && shown === null} bad={!trouble || stopped} text={[text, meanwhile]}>
+        <StatusMessage
+          waiting={text === "" && (shown === null || ownView)}
+          ownView={ownView}
+          bad={!trouble || stopped}
+          text={[text, meanwhile]}
+        >
           {elsewhere ? (
             <button type="button" class="button" onClick={() => session?.start()}>
               {t.viewer.continueHere}
@@ -61,6 +67,8 @@ function overOf(trouble: Trouble | null, visitor: Visitor | undefined): JSX.Elem
 interface StatusMessageProps {
   /** Whether nothing is wrong, but there is no picture yet. */
   readonly waiting: boolean;
+  /** Whether the picture that is prepared is a follower's own view. */
+  readonly ownView: boolean;
   /** Whether the message stays until the user acts. */
   readonly bad: boolean;
   readonly text: readonly string[];
@@ -68,13 +76,13 @@ interface StatusMessageProps {
   readonly children: ComponentChildren;
 }
 
-function StatusMessage({ waiting, bad, text, children }: StatusMessageProps) {
+function StatusMessage({ waiting, ownView, bad, text, children }: StatusMessageProps) {
   const message = text.filter(Boolean).join(" ");
   if (waiting)
     return (
-      <p class="glass pill">
+      <p class={`glass pill${ownView ? " pill-soon" : ""}`}>
         <span class="spinner" />
-        {t.viewer.first}
+        {ownView ? t.live.ownViewComing : t.viewer.first}
       </p>
     );
   if (message === "") return null;

@@ -4,7 +4,7 @@ import type { Region } from "../../cut/region";
 import type { KeyCommand } from "../../input/keys";
 import { ownPlace, type Place } from "../../live/place";
 import { roleOf } from "../../live/role";
-import { isOver } from "../../protocol/connection";
+import { isOver, isVisitOver } from "../../protocol/connection";
 import { t } from "../../texts";
 import { OpenLibrary } from "../marks/open_library";
 import { InPicture } from "../picture/in_picture";
@@ -82,7 +82,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       ref={page}
       data-slices={session?.slices.open.value ? session.slices.view.value : undefined}
       data-following={session?.slices.following.value ? "" : undefined}
-      data-visit={session?.connection.value.trouble === "link_ended" ? "over" : undefined}
+      data-visit={session && isVisitOver(session.connection.value) ? "over" : undefined}
     >
       <ViewerStage canvas={canvas} session={session} role={role} picture={picture} cutting={cutting} />
       <ViewerHeader {...common} title={title} visitor={visitor} cutting={cutting} obey={obey} open={setOpen} />

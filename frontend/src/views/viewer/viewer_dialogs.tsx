@@ -1,10 +1,12 @@
 import type { DataSet } from "../../api/types";
 import type { Role } from "../../live/role";
+import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { ShareScanDialog } from "../share_scan";
 import { ExportDialog } from "./export/export_dialog";
 import type { Shot } from "./export/shot";
 import { HelpDialog, type HelpDialogProps } from "./help_dialog";
+import { looksOnKeys } from "./looks_on_keys";
 import { RecordingDialog } from "./recording";
 import { SavedPresets } from "./saved_presets";
 import { ShareDialog } from "./share_dialog";
@@ -26,7 +28,7 @@ export interface ViewerDialogsProps {
 export function ViewerDialogs({ open, close, session, role, own, set, onChange, shot }: ViewerDialogsProps) {
   switch (open) {
     case "help":
-      return <HelpDialog has={buttonsOf(session, own, set)} onClose={close} />;
+      return <HelpDialog has={buttonsOf(session, own, set)} looks={looksOnKeys(session, role)} onClose={close} />;
     case "share":
       return session ? <ShareDialog session={session} role={role} owner={own} onClose={close} /> : null;
     case "scan":
@@ -34,7 +36,9 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
     case "presets":
       return set && session ? <SavedPresets session={session} set={set} onClose={close} /> : null;
     case "export":
-      return session ? <ExportOfPicture session={session} role={role} shot={shot} close={close} /> : null;
+      return session && !isVisitOver(session.connection.value) ? (
+        <ExportOfPicture session={session} role={role} shot={shot} close={close} />
+      ) : null;
     case "recording":
       return <RecordingDialog onClose={close} />;
     case null:

@@ -3,6 +3,7 @@ import type { DataSet } from "../../api/types";
 import type { KeyCommand } from "../../input/keys";
 import type { Role } from "../../live/role";
 import { t } from "../../texts";
+import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { IconButton } from "../icon_button";
 import { Icon, type IconName } from "../icons";
@@ -43,11 +44,16 @@ export function ViewerHeader(props: ViewerHeaderProps) {
 }
 
 function ViewerTools({ session, role, own, set, cutting, obey, open }: ViewerHeaderProps) {
+  const isOver = session !== null && isVisitOver(session.connection.value);
   return (
     <div class="glass viewer-tools">
       {session && !cutting ? <SlicesButton session={session} /> : null}
-      <CommandButton command="reset" icon="reset" obey={obey} />
-      <CommandButton command="screenshot" icon="camera" obey={obey} />
+      {isOver ? null : (
+        <>
+          <CommandButton command="reset" icon="reset" obey={obey} />
+          <CommandButton command="screenshot" icon="camera" obey={obey} />
+        </>
+      )}
       <CommandButton command="fullscreen" icon="fullscreen" obey={obey} />
       <ThemeSwitch />
       {own ? (
@@ -59,7 +65,7 @@ function ViewerTools({ session, role, own, set, cutting, obey, open }: ViewerHea
       {set?.owned ? (
         <IconButton class="tool-scan" icon="globe" label={t.sharing.open} onClick={() => open("scan")} />
       ) : null}
-      <ShareButton others={role.others} onClick={() => open("share")} />
+      {isOver ? null : <ShareButton others={role.others} onClick={() => open("share")} />}
       <CommandButton command="help" icon="help" obey={obey} />
     </div>
   );

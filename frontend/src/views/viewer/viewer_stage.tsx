@@ -7,6 +7,7 @@ import { PictureHandles } from "../picture/picture_handles";
 import { PicturePointers } from "../picture/pointers";
 import { PointPicker } from "../picture/point_picker";
 import { numberOf, PictureMarks } from "../marks/picture_marks";
+import { looksOnKeys } from "./looks_on_keys";
 import { LostEnvironment } from "./lost_environment";
 import { SliceViews } from "./slices/slice_views";
 
@@ -27,7 +28,7 @@ export function ViewerStage({ canvas, session, role, picture, cutting }: ViewerS
         ref={canvas}
         tabIndex={0}
         role="application"
-        aria-label={t.viewer.stage}
+        aria-label={t.viewer.stage(looksOnKeys(session, role))}
         {...pictureData(session)}
         onDblClick={() => session?.slices.open.value && session.slices.maximise("picture")}
       />

@@ -1,0 +1,49 @@
+import type { AnonymiseApi } from "../api/anonymise";
+import { ApiProblem } from "../api/client";
+import type { RegionBody } from "./region";
+
+/** What became of a cut. `problem` is a sentence of the server, or empty. */
+export type CutOutcome = "done" | { readonly problem: string };
+
+export interface CutSteps {
+  readonly api: Pick<AnonymiseApi, "look" | "cut">;
+  /** Waits until the server may know more. */
+  readonly pause: () => Promise<void>;
+  /** Whether nobody waits for the outcome any longer. */
+  readonly isOver: () => boolean;
+}
+
+/**
+ * Cuts a scan permanently and waits for the outcome, or returns null if nobody waits any longer. An
+ * outcome counts only once the server has the request, because an earlier cut may have left one.
+ * @throws if nothing was sent, or if the server refused it.
+ */
+export async function carryOutCut(
+  { api, pause, isOver }: CutSteps,
+  id: string,
+  keep: RegionBody,
+  volumeHash: string,
+): Promise<CutOutcome | null> {
+  const before = await api.look(id);
+  const isUnheard = await api.cut(id, keep, volumeHash).then(
+    () => false,
+    (thrown: unknown) => {
+      if (isUncertain(thrown)) return true;
+      throw thrown;
+    },
+  );
+  if (isUnheard) await pause(); // the request may still be on its way
+  while (!isOver()) {
+    const now = await api.look(id).catch(() => null); // the next one may succeed
+    if (now?.state === "ready") {
+      if (now.anonymised_at !== before.anonymised_at) return "done";
+      return { problem: isUnheard && now.problem === before.problem ? "" : (now.problem ?? "") };
+    }
+    await pause();
+  }
+  return null;
+}
+
+/** Whether a request may have reached the server although there is no proper answer. */
+const isUncertain = (thrown: unknown): boolean =>
+  !(thrown instanceof ApiProblem) || thrown.status === 0 || thrown.status >= 500;
