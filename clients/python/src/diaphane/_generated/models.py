@@ -483,6 +483,10 @@ class DataSet(TypedDict):
     """
     Whether viewers in the gallery can get exact slices. Always true for a sample.
     """
+    public_downloads: bool
+    """
+    Whether viewers in the gallery can save videos and large pictures. Always true for a sample.
+    """
     refusal: Refusal | None
     """
     Set in state `refused`. The reason, in words for the owner.

@@ -37,6 +37,7 @@ OPERATIONS: dict[str, Operation] = {
     "listPeople": Operation("GET", "/v1/data-sets/{data_set_id}/people", "share"),
     "shareWithPerson": Operation("POST", "/v1/data-sets/{data_set_id}/people", "share"),
     "unsharePerson": Operation("DELETE", "/v1/data-sets/{data_set_id}/people/{person_id}", "share"),
+    "changePerson": Operation("PATCH", "/v1/data-sets/{data_set_id}/people/{person_id}", "share"),
     "listViews": Operation("GET", "/v1/data-sets/{data_set_id}/views", "share"),
     "listDataSetLinks": Operation("GET", "/v1/data-sets/{data_set_id}/links", "share"),
     "createDataSetLink": Operation("POST", "/v1/data-sets/{data_set_id}/links", "share"),

@@ -21,6 +21,7 @@ SAGITTAL: AnatomicalPlane
 SETTLED: FrameQuality
 SLICE_ACCESS_CLIPPED: SliceAccess
 SLICE_ACCESS_NONE: SliceAccess
+SLICE_ACCESS_SHOWN: SliceAccess
 SLICE_ACCESS_WHOLE: SliceAccess
 STILL_FORMAT_UNSPECIFIED: StillFormat
 WEBP: StillFormat
@@ -50,7 +51,8 @@ class Annotations(_message.Message):
     def __init__(self, marks: _Optional[_Union[Marks, _Mapping]] = ..., measurements: _Optional[_Union[Measurements, _Mapping]] = ...) -> None: ...
 
 class Audience(_message.Message):
-    __slots__ = ["guest_pointers", "guest_slices", "participants", "presenter", "sets_guest_slices", "slices", "you"]
+    __slots__ = ["downloads", "guest_pointers", "guest_slices", "participants", "presenter", "sets_guest_slices", "slices", "you"]
+    DOWNLOADS_FIELD_NUMBER: _ClassVar[int]
     GUEST_POINTERS_FIELD_NUMBER: _ClassVar[int]
     GUEST_SLICES_FIELD_NUMBER: _ClassVar[int]
     PARTICIPANTS_FIELD_NUMBER: _ClassVar[int]
@@ -58,6 +60,7 @@ class Audience(_message.Message):
     SETS_GUEST_SLICES_FIELD_NUMBER: _ClassVar[int]
     SLICES_FIELD_NUMBER: _ClassVar[int]
     YOU_FIELD_NUMBER: _ClassVar[int]
+    downloads: bool
     guest_pointers: bool
     guest_slices: bool
     participants: _containers.RepeatedCompositeFieldContainer[Participant]
@@ -65,7 +68,7 @@ class Audience(_message.Message):
     sets_guest_slices: bool
     slices: SliceAccess
     you: str
-    def __init__(self, you: _Optional[str] = ..., participants: _Optional[_Iterable[_Union[Participant, _Mapping]]] = ..., presenter: _Optional[str] = ..., slices: _Optional[_Union[SliceAccess, str]] = ..., guest_slices: bool = ..., sets_guest_slices: bool = ..., guest_pointers: bool = ...) -> None: ...
+    def __init__(self, you: _Optional[str] = ..., participants: _Optional[_Iterable[_Union[Participant, _Mapping]]] = ..., presenter: _Optional[str] = ..., slices: _Optional[_Union[SliceAccess, str]] = ..., guest_slices: bool = ..., sets_guest_slices: bool = ..., guest_pointers: bool = ..., downloads: bool = ...) -> None: ...
 
 class ClientMessage(_message.Message):
     __slots__ = ["ack", "depth_query", "error_curve", "file", "file_mark", "file_taken", "free_camera", "guest_pointers", "guest_slices", "handover", "hello", "kernel", "key_view", "mark_sight", "marks", "measurements", "need_key", "pointer", "raise_hand", "scene", "shared_taken", "slice_view", "slices", "visibility"]
