@@ -58,6 +58,7 @@ export function LookWindow({ session, leads }: WindowProps) {
         leads={leads}
         add={edits.addPoint}
       />
+      {session.histogram.value ? null : <p class="hint">{text.noHistogram}</p>}
       <GraphHelp />
       {channel ? <PointControls {...pointEdits} channel={channel} unit={unit} add={() => edits.addPoint()} /> : null}
       {channel ? <MaterialColour channel={channel} edits={edits} /> : null}
@@ -65,11 +66,7 @@ export function LookWindow({ session, leads }: WindowProps) {
       <Shift session={session} leads={leads} unit={unit} reach={Math.round((range.high - range.low) / 4)} />
       <details class="more">
         <summary>{t.settings.more}</summary>
-        {session.histogram.value ? (
-          <ScaleChoice scale={scale} choose={setScale} />
-        ) : (
-          <p class="hint">{text.noHistogram}</p>
-        )}
+        {session.histogram.value ? <ScaleChoice scale={scale} choose={setScale} /> : null}
         <p class="hint">{text.overlap}</p>
         {channel ? (
           <MaterialControls session={session} index={selected.channel} onRemoved={() => select(firstPoint)} />
