@@ -27,7 +27,7 @@ void note_change_of_access(pqxx::work& transaction, const std::string& data_set_
                     now);
 }
 
-/// The audit log has the permissions as numbers, 1 for allowed.
+/// Adds the permissions to the details of an audit entry as numbers, 1 for allowed.
 std::vector<AuditDetail> with_permissions(std::vector<AuditDetail> details,
                                           const Permissions& allowed) {
   details.emplace_back("slices", std::int64_t{allowed.slices});
@@ -44,8 +44,8 @@ DataSetLink link_in(const pqxx::row& row) {
           from_us(row["expires_us"].as<std::int64_t>()), permissions_in(row)};
 }
 
-/// Changes what a person may do, and notes it. `person` is the ID of the permission or the key of
-/// the address. Returns nothing if the data set is not shared with them.
+/// Changes what a person may do, and records that in the audit log. `person` is the ID of the
+/// permission or the key of the address. Returns nothing if the data set is not shared with them.
 std::optional<SharingStore::Shared> change_in(pqxx::work& transaction,
                                               const std::string& data_set_id,
                                               const std::string& person, const PersonChange& change,
