@@ -118,6 +118,8 @@ Outcome<void> Sharing::unshare(const Principal& who, const std::string& id,
   const auto done = parts_.store.unshare(id, person_id, parts_.clock.wall());
   if (!done && done.error().code == ErrorCode::kNotFound) return no_such_person();
   if (!done) return refuse(done.error());
+  // Of a public scan, their sessions would otherwise keep what only this permission allowed.
+  if (!done->empty()) end_sessions_of(id, *done);
   end_lost_sessions(id);
   return {};
 }

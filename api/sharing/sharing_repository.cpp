@@ -141,17 +141,19 @@ Result<SharingStore::Shared> SharingRepository::change_person(const std::string&
   });
 }
 
-Result<void> SharingRepository::unshare(const std::string& data_set_id,
-                                        const std::string& person_id, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+Result<std::string> SharingRepository::unshare(const std::string& data_set_id,
+                                               const std::string& person_id, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::string> {
     const pqxx::result gone = transaction.exec_params(
-        "DELETE FROM data_set_people WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
-        person_id);
+        R"sql(
+        DELETE FROM data_set_people WHERE data_set_id = $1 AND id = $2
+        RETURNING COALESCE(user_id::text, '') AS user_id)sql",
+        data_set_id, person_id);
     if (gone.empty())
       return fail(ErrorCode::kNotFound, "This scan is not shared with this person.");
     note_change_of_access(transaction, data_set_id, "data-set.unshared",
                           {{"permission", person_id}}, now);
-    return {};
+    return gone[0]["user_id"].as<std::string>();
   });
 }
 

@@ -163,6 +163,16 @@ TEST_F(SharingTest, WithdrawingAccessEndsTheSessionsOfThoseWhoLostItAndNoOthers)
   EXPECT_THAT(placement.ended, UnorderedElementsAre("lost", "old visit"));
 }
 
+TEST_F(SharingTest, WithdrawingAccessToAPublicScanEndsTheSessionsOfThatPerson) {
+  ASSERT_EQ(share("friend@example.org"), Refusal());
+  store.accounts["friend@example.org"] = "friend";
+  expose(Exposure::kPublic);
+  placement.add_session("theirs", "friend", id);
+  placement.add_session("public", stranger.user_id, id);
+  ASSERT_TRUE(sharing.unshare(owner, id, sharing.people(owner, id)->at(0).id));
+  EXPECT_THAT(placement.ended, ElementsAre("theirs"));
+}
+
 TEST_F(SharingTest, WithdrawingAccessThatWasNotGivenIsNotFound) {
   for (const std::string& none : {std::string("no id"), new_id()}) {
     EXPECT_EQ(refusal(sharing.unshare(owner, id, none)), ProblemKind::kNotFound);
