@@ -236,7 +236,7 @@ def test_the_owner_chooses_who_may_see_slices_and_save_videos(stack: TestStack, 
     scan = anna.has_scan(cranium, "A head for Bert")
 
     def may(page, slices: bool, downloads: bool) -> None:
-        """Says what the viewer of a page may do."""
+        """Expects that the viewer of a page may do this, and nothing else."""
         expect(page.locator("canvas[data-samples]")).to_be_visible()
         expect(page.get_by_role("button", name="Show the slices (V)")).to_have_count(int(slices))
         page.get_by_role("button", name="Save or share", exact=True).click()
