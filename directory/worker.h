@@ -61,7 +61,8 @@ struct LostSession {
   std::string id, user_id, data_set_id;
   SavedScene saved;
   bool visitor = false;
-  std::vector<std::string> links;  ///< hashes of its guests' links, and " slices" if they allow all
+  /// Hashes of the guests' links, each followed by " slices" if the link allows all slices.
+  std::vector<std::string> links;
 };
 
 /// Another worker, as of its last heartbeat.

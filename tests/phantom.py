@@ -9,7 +9,7 @@ import pydicom
 from pydicom.dataset import FileDataset, FileMetaDataset
 from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian
 
-#: Stands in every text of the files, and must be nowhere on the server.
+#: Every text in the files contains this name, which must not reach the server.
 NAME = "Phantasia^Canary"
 SIDE, SLICES, SPACING = 64, 40, 2.0
 

@@ -36,11 +36,11 @@ Result<void> check_labels(std::string_view bytes, std::array<std::uint32_t, 3> s
 /// Returns the largest possible size of encoded labels: a run of two bytes for each voxel.
 std::uint64_t most_label_bytes(const Header& header);
 
-/// Returns whether the volume has labels, and some voxels show support or the brain.
+/// Return whether the labels of a volume mark some voxels as support, or as brain.
 bool has_support(const Volume& volume);
 bool has_brain(const Volume& volume);
 
-/// Number of the brain among the labels of a volume. Files of labels have smaller numbers.
+/// Number of the brain among the labels of a volume, far above those that files of labels use.
 inline constexpr std::uint32_t kBrainNumber =
     0xFFFFFF00U + static_cast<std::uint32_t>(Label::kBrain);
 

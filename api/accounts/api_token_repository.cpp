@@ -48,7 +48,7 @@ Result<bool> ApiTokenRepository::create(const std::string& user_id, const ApiTok
         to_us(token.created_at), to_us(token.expires_at), most);
     if (made.affected_rows() == 0) return false;
     queue_mail(transaction, notification, token.created_at);
-    // A code word has no spaces.
+    // Text details of the audit log are code words, which cannot contain spaces.
     std::string scopes = join_scopes(token.scopes);
     std::replace(scopes.begin(), scopes.end(), ' ', '.');
     note_in_audit_log(transaction,

@@ -79,7 +79,7 @@ std::vector<Route> api_token_routes(ApiTokens& tokens) {
   constexpr auto kOwn = Access::kOwnAccount;
   return {
       {"GET", all, "listApiTokens", kOwn, list, {}},
-      // An account without the consent could do nothing with a new token but read and delete.
+      // Requires the consent, because without it a token could only read and delete.
       {"POST", all, "createApiToken", Access::kPerson, create, {}},
       {"DELETE", all + "/{token_id}", "revokeApiToken", kOwn, revoke, {}},
   };

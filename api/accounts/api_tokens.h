@@ -52,9 +52,9 @@ class ApiTokenStore {
 class ApiTokens {
  public:
   struct Options {
-    std::string account_url;  ///< of the page where users revoke tokens
+    std::string account_url;  ///< address of the page where users revoke tokens
   };
-  /// Valid tokens of an account.
+  /// Maximum number of valid tokens per account.
   static constexpr int kMostTokens = 20;
   static constexpr int kMostDays = 365;
 

@@ -91,7 +91,8 @@ struct DataSet {
   Time updated_at;
 
   bool owned() const { return role == Role::kOwner; }
-  /// Returns what everyone may get: all of a sample, and what its owner allows of a public one.
+  /// Returns what everyone with an account may get: slices and downloads of a sample, and what the
+  /// owner of a public data set allows.
   Permissions allowed_to_public() const {
     if (is_sample) return {true, true};
     return is_public ? to_public : Permissions();

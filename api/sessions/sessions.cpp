@@ -28,7 +28,8 @@ bool lacks(const Permissions& now, const Permissions& before) {
 }
 
 tl::unexpected<Problem> permissions_changed() {
-  return refuse(ProblemKind::kBusy, "The owner has just changed what you may do. Try again.",
+  return refuse(ProblemKind::kBusy,
+                "The owner of this scan has just changed your permissions. Try again.",
                 std::chrono::seconds(1));
 }
 

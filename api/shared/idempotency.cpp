@@ -7,7 +7,7 @@ namespace diaphane::api {
 
 std::string token_for(std::string_view what, const IdempotencyScope& once) {
   if (once.key.empty() || once.browser.empty()) return random_hex(32);
-  // The cookie comes first, because it has 256 bits of entropy.
+  // The cookie or the API token comes first, because it has 256 bits of entropy.
   return blake2b(once.browser + "\n" + std::string(what) + "\n" + once.key);
 }
 

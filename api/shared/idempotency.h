@@ -21,12 +21,12 @@ struct KeyReused {};  ///< the key was used before with a different request
 /// The inputs from which token_for derives a resource's secret, which is not stored.
 struct IdempotencyScope {
   std::string key;      ///< key of the request; if empty, each request creates a new resource
-  std::string browser;  ///< the session cookie, a secret of the user's browser
+  std::string browser;  ///< the session cookie, or the API token of a program
 };
 
 /// Returns a token of 256 bits (secrets.h, is_token). It is random without a key and otherwise the
-/// same each time that this browser requests `what` with that key. It cannot be derived from stored
-/// data, because it depends on the cookie, of which only a hash is stored.
+/// same each time that this browser or program requests `what` with that key. It cannot be derived
+/// from stored data, because only a hash of the cookie or of the API token is stored.
 std::string token_for(std::string_view what, const IdempotencyScope& once);
 
 }  // namespace diaphane::api

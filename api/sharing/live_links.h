@@ -36,10 +36,10 @@ class LiveLinks {
         clock_(clock),
         options_(options) {}
 
-  /// Returns the token of a new link. With `slices`, its guests may get all slices inside the clip,
-  /// which a host without slices cannot allow (kForbidden). It is shown only once and stored as a
-  /// hash. The same key returns the same token, or kConflict once the link is disabled. Returns
-  /// kNotFound (session) or kTooMany.
+  /// Returns the token of a new link, which is shown only once and stored as a hash. With `slices`,
+  /// guests with this link may get all slices inside the clip; a host without slices cannot allow
+  /// that (kInvalid). The same key returns the same token, kConflict once the link is disabled, or
+  /// kIdempotencyKeyReused if `slices` differs. Returns kNotFound (session) or kTooMany.
   Outcome<std::string> make(const Principal& who, const std::string& session_id, bool slices,
                             const IdempotencyScope& once);
   /// Disables all links of the session and disconnects everyone who joined with them.

@@ -118,6 +118,8 @@ Outcome<void> Sharing::unshare(const Principal& who, const std::string& id,
   const auto done = parts_.store.unshare(id, person_id, parts_.clock.wall());
   if (!done && done.error().code == ErrorCode::kNotFound) return no_such_person();
   if (!done) return refuse(done.error());
+  // Of a public scan, their sessions would otherwise keep what only this permission allowed.
+  if (!done->empty()) end_sessions_of(id, *done);
   end_lost_sessions(id);
   return {};
 }
@@ -183,17 +185,18 @@ Outcome<DataSet> Sharing::publish(const Principal& who, const std::string& id,
                   "and confirm it.");
   }
   const Permissions before = mine->allowed_to_public();
-  if ((before.slices && !allowed.slices) || (before.downloads && !allowed.downloads)) {
-    end_public_sessions(id);
-  }
+  const Permissions withdrawn{before.slices && !allowed.slices,
+                              before.downloads && !allowed.downloads};
+  if (withdrawn.slices || withdrawn.downloads) end_public_sessions(id, withdrawn);
   return parts_.data_sets.find(who, id);
 }
 
 Outcome<DataSet> Sharing::make_private(const Principal& who, const std::string& id) {
-  if (auto mine = parts_.data_sets.authorise(who, id, Action::kPublish); !mine) return mine;
+  const auto mine = parts_.data_sets.authorise(who, id, Action::kPublish);
+  if (!mine) return mine;
   const auto done = parts_.store.make_private(id, parts_.clock.wall());
   if (!done) return refuse(done.error());
-  end_lost_sessions(id);
+  end_public_sessions(id, mine->allowed_to_public());
   return parts_.data_sets.find(who, id);
 }
 
@@ -245,11 +248,16 @@ void Sharing::end_sessions_of(const std::string& id, const std::string& user_id)
   }
 }
 
-void Sharing::end_public_sessions(const std::string& id) {
-  end_sessions_unless(id, [](const DataSet& visible) { return visible.role != Role::kOther; });
+void Sharing::end_public_sessions(const std::string& id, const Permissions& withdrawn) {
+  end_sessions_unless(id, [&](const DataSet& visible) {
+    if (visible.owned()) return true;
+    const Permissions own = visible.role == Role::kOther ? Permissions() : visible.to_person;
+    return (own.slices || !withdrawn.slices) && (own.downloads || !withdrawn.downloads);
+  });
 }
 
-void Sharing::end_sessions_unless(const std::string& id, bool (*keeps)(const DataSet& visible)) {
+void Sharing::end_sessions_unless(const std::string& id,
+                                  const std::function<bool(const DataSet& visible)>& keeps) {
   const auto failed = [&] { log::warning("failed to end sessions", {{"data_set", id}}); };
   const auto sessions = parts_.placement.sessions_on(id);
   if (!sessions) return failed();
@@ -282,7 +290,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const auto now = parts_.clock.wall();
   const std::string visitor = id_from("visitor\n" + key);
   Visit visit;
-  Permissions allowed{true, true};  // everyone can get all of a sample
+  Permissions allowed{true, true};  // as for every viewer of a sample; a link has its own
   visit.address_hash = blake2b("visit:" + client.address);
   if (token.empty()) {
     const auto sample = parts_.data_sets.find_ready(Principal{}, data_set_id);

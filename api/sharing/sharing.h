@@ -81,13 +81,15 @@ class Sharing {
   void end_lost_sessions(const std::string& id);
 
  private:
-  /// Ends the sessions of a user on a data set, who then get their new permissions.
+  /// Ends the sessions of a user on a data set, so that new ones get the user's new permissions.
   void end_sessions_of(const std::string& id, const std::string& user_id);
-  /// Ends the sessions of users who see the data set only because it is public.
-  void end_public_sessions(const std::string& id);
+  /// Ends the sessions of users who lost access to the data set, or had one of these permissions
+  /// only because the data set was public.
+  void end_public_sessions(const std::string& id, const Permissions& withdrawn);
   /// Ends the sessions on a data set, except those of visitors, and of users who can still see it
   /// and for whom `keeps` returns true. Ends none if the database is unavailable.
-  void end_sessions_unless(const std::string& id, bool (*keeps)(const DataSet& visible));
+  void end_sessions_unless(const std::string& id,
+                           const std::function<bool(const DataSet& visible)>& keeps);
 
   SharingParts parts_;
   Options options_;

@@ -27,7 +27,7 @@ void note_change_of_access(pqxx::work& transaction, const std::string& data_set_
                     now);
 }
 
-/// The audit log has the permissions as numbers, 1 for allowed.
+/// Adds the permissions to the details of an audit entry as numbers, 1 for allowed.
 std::vector<AuditDetail> with_permissions(std::vector<AuditDetail> details,
                                           const Permissions& allowed) {
   details.emplace_back("slices", std::int64_t{allowed.slices});
@@ -44,8 +44,8 @@ DataSetLink link_in(const pqxx::row& row) {
           from_us(row["expires_us"].as<std::int64_t>()), permissions_in(row)};
 }
 
-/// Changes what a person may do, and notes it. `person` is the ID of the permission or the key of
-/// the address. Returns nothing if the data set is not shared with them.
+/// Changes what a person may do, and records that in the audit log. `person` is the ID of the
+/// permission or the key of the address. Returns nothing if the data set is not shared with them.
 std::optional<SharingStore::Shared> change_in(pqxx::work& transaction,
                                               const std::string& data_set_id,
                                               const std::string& person, const PersonChange& change,
@@ -141,17 +141,19 @@ Result<SharingStore::Shared> SharingRepository::change_person(const std::string&
   });
 }
 
-Result<void> SharingRepository::unshare(const std::string& data_set_id,
-                                        const std::string& person_id, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+Result<std::string> SharingRepository::unshare(const std::string& data_set_id,
+                                               const std::string& person_id, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::string> {
     const pqxx::result gone = transaction.exec_params(
-        "DELETE FROM data_set_people WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
-        person_id);
+        R"sql(
+        DELETE FROM data_set_people WHERE data_set_id = $1 AND id = $2
+        RETURNING COALESCE(user_id::text, '') AS user_id)sql",
+        data_set_id, person_id);
     if (gone.empty())
       return fail(ErrorCode::kNotFound, "This scan is not shared with this person.");
     note_change_of_access(transaction, data_set_id, "data-set.unshared",
                           {{"permission", person_id}}, now);
-    return {};
+    return gone[0]["user_id"].as<std::string>();
   });
 }
 

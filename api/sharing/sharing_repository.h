@@ -15,8 +15,8 @@ class SharingRepository final : public SharingStore {
                             const Mail& mail) override;
   Result<Shared> change_person(const std::string& data_set_id, const std::string& person_id,
                                const PersonChange& change, Time now) override;
-  Result<void> unshare(const std::string& data_set_id, const std::string& person_id,
-                       Time now) override;
+  Result<std::string> unshare(const std::string& data_set_id, const std::string& person_id,
+                              Time now) override;
   Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) override;
   Result<std::variant<DataSetLink, KeyReused>> make_link(
       const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,

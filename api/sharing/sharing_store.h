@@ -74,9 +74,10 @@ class SharingStore {
   /// Changes what a person may do. Returns kNotFound if the data set is not shared with them.
   virtual Result<Shared> change_person(const std::string& data_set_id, const std::string& person_id,
                                        const PersonChange& change, Time now) = 0;
-  /// Withdraws a permission. Returns kNotFound if it does not exist.
-  virtual Result<void> unshare(const std::string& data_set_id, const std::string& person_id,
-                               Time now) = 0;
+  /// Withdraws a permission. Returns the account that had it, or nothing if the invitation was
+  /// still open. Returns kNotFound if the permission does not exist.
+  virtual Result<std::string> unshare(const std::string& data_set_id, const std::string& person_id,
+                                      Time now) = 0;
 
   virtual Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) = 0;
   /// Creates a link. If the user's `key` has created a link before, returns that link, or kConflict

@@ -163,6 +163,16 @@ TEST_F(SharingTest, WithdrawingAccessEndsTheSessionsOfThoseWhoLostItAndNoOthers)
   EXPECT_THAT(placement.ended, UnorderedElementsAre("lost", "old visit"));
 }
 
+TEST_F(SharingTest, WithdrawingAccessToAPublicScanEndsTheSessionsOfThatPerson) {
+  ASSERT_EQ(share("friend@example.org"), Refusal());
+  store.accounts["friend@example.org"] = "friend";
+  expose(Exposure::kPublic);
+  placement.add_session("theirs", "friend", id);
+  placement.add_session("public", stranger.user_id, id);
+  ASSERT_TRUE(sharing.unshare(owner, id, sharing.people(owner, id)->at(0).id));
+  EXPECT_THAT(placement.ended, ElementsAre("theirs"));
+}
+
 TEST_F(SharingTest, WithdrawingAccessThatWasNotGivenIsNotFound) {
   for (const std::string& none : {std::string("no id"), new_id()}) {
     EXPECT_EQ(refusal(sharing.unshare(owner, id, none)), ProblemKind::kNotFound);
@@ -279,7 +289,7 @@ TEST_F(SharingTest, WithdrawingSlicesOrDownloadsEndsPublicSessions) {
   placement.add_session("shared", shared.user_id, id);
   placement.add_session("owned", owner.user_id, id);
   ASSERT_TRUE(sharing.publish(owner, id, {true, true}));
-  scan().to_public = {true, true};
+  scan().to_public = scan().to_person = {true, true};
   ASSERT_TRUE(sharing.publish(owner, id, {true, true}));
   EXPECT_THAT(placement.ended, IsEmpty());
   ASSERT_TRUE(sharing.publish(owner, id, {false, true}));
@@ -288,6 +298,22 @@ TEST_F(SharingTest, WithdrawingSlicesOrDownloadsEndsPublicSessions) {
   placement.ended.clear();
   ASSERT_TRUE(sharing.publish(owner, id, {true, false}));
   EXPECT_THAT(placement.ended, ElementsAre("public"));
+  placement.ended.clear();
+  scan().to_person = {true, false};
+  ASSERT_TRUE(sharing.publish(owner, id, {false, true}));
+  EXPECT_THAT(placement.ended, IsEmpty()) << "they have the slices by themselves";
+  ASSERT_TRUE(sharing.publish(owner, id, {true, false}));
+  EXPECT_THAT(placement.ended, ElementsAre("shared")) << "they could save only from the gallery";
+}
+
+TEST_F(SharingTest, MakingAScanPrivateEndsSessionsWithWhatOnlyThePublicCouldDo) {
+  expose(Exposure::kPublic);
+  scan().to_public = {true, false};
+  placement.add_session("owned", owner.user_id, id);
+  placement.add_session("shared", shared.user_id, id);
+  store.before("make_private", [&] { expose(Exposure::kPrivate); });
+  ASSERT_TRUE(sharing.make_private(owner, id));
+  EXPECT_THAT(placement.ended, ElementsAre("shared"));
 }
 
 TEST_F(SharingTest, MakingAScanPrivateEndsThePublicSessions) {

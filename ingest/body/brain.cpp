@@ -122,7 +122,7 @@ class Values {
 
 /// Facts about the head from which the balloon starts, with the names of the paper.
 struct Start {
-  double t2 = 0, t98 = 0;  ///< values below and above which 2% of the head are
+  double t2 = 0, t98 = 0;  ///< quantiles of 2% and 98% of the head's values
   double t = 0;            ///< threshold between air and matter
   double tm = 0;           ///< median value around the middle
   Vec middle;
@@ -313,9 +313,10 @@ std::vector<std::uint8_t> inside_of(const Scan& scan, const Mesh& mesh) {
   for (const auto& [a, b, c] : mesh.triangles) {
     draw(scan, {mesh.points[a], mesh.points[b], mesh.points[c]}, mask);
   }
-  // What can be reached from the border of the volume is outside (2), and the rest inside. If the
-  // volume ends within the head, the surface leaves it, and the border there is inside as well.
-  std::vector<Index> open;
+  // Voxels beyond the box around the surface are outside (2), and so are those that can be reached
+  // from them. The rest is inside. If the volume ends within the head, the surface leaves it, and
+  // the border there is inside as well.
+  std::vector<Index> open;  // the front of the flood, which is small even in a large volume
   const auto visit = [&](const Index& at) {
     if (!scan.contains(at)) return;
     std::uint8_t& state = mask[scan.offset(at)];
@@ -329,21 +330,33 @@ std::vector<std::uint8_t> inside_of(const Scan& scan, const Mesh& mesh) {
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
   const Index first = scan.nearest(low), last = scan.nearest(high);
+  // Returns whether a voxel is in the box with this margin.
+  const auto in_box = [&](const Index& at, std::int64_t margin) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (at[a] + margin < first[a] || at[a] - margin > last[a]) return false;
+    }
+    return true;
+  };
   for (std::int64_t z = 0; z < size[2]; ++z) {
     for (std::int64_t y = 0; y < size[1]; ++y) {
       for (std::int64_t x = 0; x < size[0]; ++x) {
-        const bool beyond = x < first[0] || y < first[1] || z < first[2] || x > last[0] ||
-                            y > last[1] || z > last[2];
-        if (beyond) visit({x, y, z});
+        const Index at{x, y, z};
+        if (in_box(at, 0)) continue;
+        if (in_box(at, 1)) {
+          visit(at);
+        } else {
+          mask[scan.offset(at)] = 2;
+        }
       }
     }
   }
   while (!open.empty()) {
-    const auto [x, y, z] = open.back();
-    open.pop_back();
-    for (const Index& next : {Index{x - 1, y, z}, Index{x + 1, y, z}, Index{x, y - 1, z},
-                              Index{x, y + 1, z}, Index{x, y, z - 1}, Index{x, y, z + 1}}) {
-      visit(next);
+    const std::vector<Index> front = std::exchange(open, {});
+    for (const auto& [x, y, z] : front) {
+      for (const Index& next : {Index{x - 1, y, z}, Index{x + 1, y, z}, Index{x, y - 1, z},
+                                Index{x, y + 1, z}, Index{x, y, z - 1}, Index{x, y, z + 1}}) {
+        visit(next);
+      }
     }
   }
   for (std::uint8_t& state : mask) state = state == 2 ? 0 : 1;

@@ -165,6 +165,12 @@ TEST(Objects, PodRequestsAllGpusOfItsWorker) {
   pod["metadata"]["uid"] = "p";
   EXPECT_EQ(read_pod(pod, "")->pod.gpus, 4);
   EXPECT_EQ(read_worker(worker_object(kWorker, pods()), templates)->worker.gpus, 1);
+  Json& other = fleet["spec"]["template"]["spec"]["containers"][1]["resources"];
+  other["limits"]["nvidia.com/gpu"] = "2";
+  fleet["spec"]["gpusPerWorker"] = 1;
+  EXPECT_EQ(read_worker(worker_object(kWorker, *read_fleet(fleet)->pods), templates)->worker.gpus,
+            1)
+      << "the template does not choose the number of GPUs";
 }
 
 TEST(Objects, PodIsOwnOnlyIfARenderWorkerOwnsIt) {

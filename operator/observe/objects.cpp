@@ -339,9 +339,11 @@ Json worker_template(Json pods, const FleetSpec& spec) {
   if (!pods.is_object() || !part(pods, "spec").is_object()) pods = {{"spec", Json::object()}};
   Json& container = render_container(pods);
   set_environment(container, "DIAPHANE_SLOTS", std::to_string(spec.sessions_per_worker));
-  // The template of a worker with one GPU is the same as in versions that gave each worker one, so
-  // that an upgrade does not replace all workers.
-  if (spec.gpus_per_worker > 1) set_gpus(container, spec.gpus_per_worker);
+  // The number is written only where the fleet or its template asks for several GPUs. Other
+  // templates are the same as in versions that gave each worker one GPU, so that an upgrade does
+  // not replace all workers.
+  const bool requests_several = gpus_of(part(pods, "spec")) > 1;
+  if (spec.gpus_per_worker > 1 || requests_several) set_gpus(container, spec.gpus_per_worker);
   return pods;
 }
 

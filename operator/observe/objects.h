@@ -69,8 +69,9 @@ std::optional<WorkerObject> read_worker(const Json& object, Templates& templates
 std::optional<PodObject> read_pod(const Json& object, const std::string& home);
 std::optional<NodeObject> read_node(const Json& object);
 
-/// Returns the pod template with the number of slots and, if there are several, of GPUs. A worker
-/// is created with it, and its pod is built only from it.
+/// Returns the pod template with the number of slots and, if there are several, of GPUs, which
+/// replaces a number in the template of the fleet. A worker is created with it, and its pod is
+/// built only from it.
 Json worker_template(Json pods, const FleetSpec& spec);
 /// Sets the number of GPUs that a container requests.
 void set_gpus(Json& container, int gpus);

@@ -20,10 +20,9 @@ struct Candidate {
 /// A difference in load up to this is ignored.
 inline constexpr double kHysteresis = 0.1;
 
-/// Chooses among the candidates with room. Least loaded: draws two at random from those
-/// within the hysteresis of the lowest load and takes the better one, so that concurrent decisions
-/// from the same loads differ (Mitzenmacher 2001). Packed: takes the one with the least
-/// room.
+/// Chooses among the candidates with room. Least loaded: draws two at random from those within the
+/// hysteresis of the lowest load and takes the better one, so that concurrent decisions from the
+/// same loads differ (Mitzenmacher 2001). Packed: takes the one with the least room.
 std::optional<std::size_t> choose(std::span<const Candidate> candidates, Strategy strategy,
                                   Random& random);
 

@@ -160,13 +160,13 @@ const Look kOtherLooks[] = {
     {kAirways, 1.4, 1, 0, {{kLining, {{0.05, 0}, {0.10, 0.08}, {0.18, 0.08}, {0.26, 0}}, false}}},
 };
 
-// The brain by its own values: 0 is the least of the scan, 1 the brain's median. The fluid around
-// it is dark, so the surface is where grey matter begins.
+// Curves for the brain, on a scale where 0 is the lowest value of the scan and 1 the brain's
+// median. The fluid around a brain is dark, so the surface is where grey matter begins.
 const Curve kGreyCurve{{0.50, 0}, {0.72, 0.9}, {0.98, 0.9}, {1.12, 0}};
 const Curve kWhiteCurve{{0.98, 0}, {1.12, 1}};
 /// The page tells looks apart by their transfer functions, so those of these two must differ.
 constexpr double kBrainExtinction = 3.0, kBrainInGlassExtinction = 2.5;
-/// What is left of the matter around the brain when one looks through it.
+/// Opacity of the matter around the brain in the look through it.
 constexpr double kGlass = 0.010;
 
 /// Returns half the diagonal of the box around what is framed, mm.
@@ -282,7 +282,7 @@ double half_width(const volume::Header& header, const Framing& framing, Vector a
 struct Pose {
   double turned = 25, raised = 10;
 };
-/// A brain is known by its side, and its folds are seen best from above.
+/// A brain is recognised from the side, and its folds show best from above.
 constexpr Pose kBesideBrain{60, 24}, kBesideHead{40, 14};
 
 /// Places the camera for a portrait: a long lens in front of the patient. It is framed on an
@@ -307,7 +307,7 @@ void place_camera(v1::Scene& scene, const volume::Header& header, const Framing&
   camera.set_vertical_fov_degrees(kFov);
 }
 
-/// Adds all of a scene that does not depend on the materials.
+/// Adds the parts of a scene that do not depend on the materials.
 void fill_scene(const volume::Header& header, const Framing& framing, int bounces, double exposure,
                 Pose pose, v1::Scene& scene) {
   add_lights(scene, radius_of(framing));

@@ -15,18 +15,18 @@ namespace diaphane::render {
 
 /// Returns the presets that a volume can show, fitted to it: of skin, muscle, vessels, bone,
 /// through, dense and airways in a CT, and of brain, through, skin, muscle, vessels, bone and
-/// airways otherwise. Where the brain is known, its looks replace those that only guess by
-/// brightness.
-/// The camera looks at the patient's face from slightly above and from their left, and the framed
-/// ellipsoid fits the picture. Lights scale with it. Ranges are in Hounsfield units for CT and by
+/// airways otherwise. Where the brain is known, brain and through come first, and the airways,
+/// which are guessed by brightness, are left out. The camera looks at the patient's face, or at the
+/// brain, from above and from the patient's left, and the framed ellipsoid fits the picture. Lights
+/// scale with it. Ranges are in Hounsfield units for CT and by
 /// percentiles otherwise. A CT needs contrast agent for vessels (shows_contrast_agent()), teeth or
 /// similar bone for dense, and air for airways; other scans need parts much brighter than tissue
 /// for vessels. A change of a look must raise the version in api/scans/thumbnails.cpp.
 std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header, const Framing& framing,
                                               bool contrast_agent,
                                               const std::optional<BrainFacts>& brain = {});
-/// Returns one preset, even if the volume can't show it well. Where no brain is known, its looks
-/// are that of the skin. Returns kNotFound for an unknown name.
+/// Returns one preset, even if the volume can't show it well. Where no brain is known, the looks of
+/// the brain are replaced by skin. Returns kNotFound for an unknown name.
 Result<diaphane::v1::Preset> preset_for(const volume::Header& header, const Framing& framing,
                                         std::string_view name,
                                         const std::optional<BrainFacts>& brain = {});

@@ -474,8 +474,7 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
     case RequestKind::kFile:
     case RequestKind::kFileTaken:
     case RequestKind::kFileMark:
-      return refusal(
-          "The owner of this scan has not allowed you to save videos and large pictures.", "file");
+      return refusal("You can't save videos and large pictures of this scan.", "file");
     case RequestKind::kGuestSlices:
       return refusal("Only the host of this session can show slices to guests.", "guest_slices");
     case RequestKind::kPointer:

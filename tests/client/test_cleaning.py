@@ -152,5 +152,3 @@ def test_the_bundle_is_the_one_of_the_page():
         assert [one.name for one in members] == ["00001.dcm", "00002.dcm", "00003.dcm"]
         assert {(one.mode, one.uid, one.gid, one.mtime, one.uname) for one in members} == {(0o644, 0, 0, 0, "")}
     assert made == bundle(files), "the same bytes each time, so that an upload can be resumed"
-
-

@@ -88,7 +88,7 @@ def test_waiting_ends_when_the_scan_is_ready_or_refused():
 
 
 class Uploads:
-    """Takes uploads like the server. `lose`: numbers of the parts of which the response, or also the request, is lost."""
+    """Takes uploads like the server. Loses the responses to some parts, and whole requests with others, by their numbers."""
 
     def __init__(self, lose_response: tuple[int, ...] = (), lose_request: tuple[int, ...] = ()):
         self.received, self.parts, self.announced = b"", 0, 0

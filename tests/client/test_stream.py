@@ -1,4 +1,4 @@
-"""How the Python client talks to a renderer. A small server in this process speaks for one."""
+"""How the Python client talks to a renderer. A small server in this process stands in for it."""
 
 from __future__ import annotations
 

@@ -236,7 +236,7 @@ def test_the_owner_chooses_who_may_see_slices_and_save_videos(stack: TestStack, 
     scan = anna.has_scan(cranium, "A head for Bert")
 
     def may(page, slices: bool, downloads: bool) -> None:
-        """Says what the viewer of a page may do."""
+        """Expects that the viewer of a page may do this, and nothing else."""
         expect(page.locator("canvas[data-samples]")).to_be_visible()
         expect(page.get_by_role("button", name="Show the slices (V)")).to_have_count(int(slices))
         page.get_by_role("button", name="Save or share", exact=True).click()
@@ -259,8 +259,8 @@ def test_the_owner_chooses_who_may_see_slices_and_save_videos(stack: TestStack, 
     dialog.get_by_label("Email address").fill(bert.email)
     dialog.get_by_role("button", name="Share", exact=True).click()
     expect(dialog.get_by_text(f"Shared with {bert.email}.")).to_be_visible()
-    his = dialog.get_by_role("group", name=f"Permissions of {bert.email}")
-    slices, downloads = (his.get_by_role("checkbox", name=name) for name in ("Can also see the slices", "Can also save videos and large pictures"))
+    rights = dialog.get_by_role("group", name=f"Permissions of {bert.email}")
+    slices, downloads = (rights.get_by_role("checkbox", name=name) for name in ("Can also see the slices", "Can also save videos and large pictures"))
     expect(slices).not_to_be_checked()
     expect(downloads).not_to_be_checked()
     bert.page.goto(f"{stack.url}/view/{scan}")
@@ -292,6 +292,6 @@ def test_the_owner_chooses_who_may_see_slices_and_save_videos(stack: TestStack, 
     may(visitor, slices=False, downloads=True)
     for width, height in ((1280, 720), (390, 844)):
         anna.page.set_viewport_size({"width": width, "height": height})
-        for section, element in (("people", his), ("links", links), ("everybody", dialog.get_by_role("region", name="Share with everyone"))):
+        for section, element in (("people", rights), ("links", links), ("everybody", dialog.get_by_role("region", name="Share with everyone"))):
             element.scroll_into_view_if_needed()
             anna.page.screenshot(path=pictures / f"permissions-{section}-{width}.png")

@@ -275,8 +275,6 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     one.http.delete(f"/v1/data-sets/{made}/labels")
     preset_ways(api, one, made)
     annotation_ways(one, made)
-    one.http.post(f"/v1/data-sets/{made}/labels", json={"bytes": 10})
-    one.http.delete(f"/v1/data-sets/{made}/labels")
     one.http.get(f"/v1/data-sets/{made}/anonymise")
     to_cut = one.data_set(100)["data_set"]["id"]
     make_ready(api, to_cut)

@@ -23,7 +23,7 @@ def running(all_stacks):
 
 
 def head(with_brain: bool) -> bytes:
-    """A NIfTI file of a head as in a T1 scan: brain, dark fluid and bone, and bright fat. Or a bright ball."""
+    """Returns a NIfTI file of a head as in a T1 scan (a brain, dark fluid and bone, and bright fat), or of a bright ball without a brain."""
     x, y, z = numpy.meshgrid(*[(numpy.arange(SIDE) - SIDE / 2) * SPACING] * 3, indexing="ij")
 
     def within(a: float, b: float, c: float) -> numpy.ndarray:

@@ -91,7 +91,7 @@ int send(const std::string& bundle, std::size_t files, sample::UploadOptions opt
   return 0;
 }
 
-/// What to do with which scan. Empty texts are not wanted.
+/// What the command line requests. A step whose text is empty is skipped.
 struct Orders {
   std::string cranium, dicom, bundle, mha, store, file, modality, token_file;
   sample::UploadOptions upload;

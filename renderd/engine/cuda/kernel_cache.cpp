@@ -53,8 +53,8 @@ std::optional<std::string> take_text(std::string_view& from) {
   return text;
 }
 
-/// Returns the bytes of a file that this user or root has written and only they can change. The
-/// bytes become code of this process. Returns nothing otherwise.
+/// Returns the bytes of a file that belongs to this user or root and that only its owner can
+/// change, because the bytes become code of this process. Returns nothing for any other file.
 std::string read_file(const std::string& path) {
   const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   // The facts must be those of the open file, because another process may replace the path at any

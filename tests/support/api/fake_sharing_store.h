@@ -31,7 +31,7 @@ class FakeSharingStore final : public SharingStore, public Fake {
   int most_people = 0, most_links = 0;
   bool anonymised = true;
   std::optional<Permissions> published;         ///< empty while it is private
-  std::map<std::string, std::string> accounts;  ///< user by address, for `narrowed_user_id`
+  std::map<std::string, std::string> accounts;  ///< user by address
   std::map<std::string, std::string> names;
 
   Result<std::vector<SharedPerson>> people(const std::string&) override {
@@ -69,12 +69,15 @@ class FakeSharingStore final : public SharingStore, public Fake {
     }
     return fail(ErrorCode::kNotFound, "no person");
   }
-  Result<void> unshare(const std::string&, const std::string& person_id, Time) override {
+  Result<std::string> unshare(const std::string&, const std::string& person_id, Time) override {
     DIAPHANE_TRY(enter("unshare"));
-    const auto gone =
-        std::erase_if(people_by_key, [&](const auto& one) { return one.second.id == person_id; });
-    if (gone == 0) return fail(ErrorCode::kNotFound, "no person");
-    return {};
+    for (const auto& [key, person] : people_by_key) {
+      if (person.id != person_id) continue;
+      const std::string user_id = accounts[key];
+      people_by_key.erase(key);
+      return user_id;
+    }
+    return fail(ErrorCode::kNotFound, "no person");
   }
 
   Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) override {
