@@ -28,7 +28,7 @@ HASHES = {
 
 
 #: The default of the setting `consent-version`.
-PRIVACY_NOTICE = "2026-11-26"
+PRIVACY_NOTICE = "2026-11-27"
 
 
 class Seeded(NamedTuple):

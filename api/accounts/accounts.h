@@ -35,7 +35,7 @@ struct Principal {
 };
 
 /// Version of the privacy notice's template, which is its date (frontend/public/legal).
-inline constexpr const char* kPrivacyTemplate = "2026-11-26";
+inline constexpr const char* kPrivacyTemplate = "2026-11-27";
 
 /// Minimum interval between two updates of the last use of a web session or an API token.
 inline constexpr std::chrono::minutes kUseNoted{10};

@@ -32,12 +32,19 @@ AuditEntry entry(const std::string& user_id, std::string action, const std::stri
 
 }  // namespace
 
-Result<bool> ApiTokenRepository::create(const std::string& user_id, const ApiToken& token,
-                                        const std::string& token_hash, int most,
-                                        const Mail& notification) {
+Result<bool> ApiTokenRepository::create(const std::string& user_id, const std::string& session_id,
+                                        const ApiToken& token, const std::string& token_hash,
+                                        int most, const Mail& notification) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     // Locks the account, so that concurrent requests cannot exceed the limit together.
     transaction.exec_params("SELECT FROM users WHERE id = $1::uuid FOR UPDATE", user_id);
+    // A password that was changed since it was checked has ended the session under the same lock.
+    const pqxx::result session = transaction.exec_params(
+        R"sql(
+        SELECT FROM web_sessions
+         WHERE id = $1::uuid AND user_id = $2::uuid AND expires_at > to_timestamp($3::bigint / 1e6))sql",
+        session_id, user_id, to_us(token.created_at));
+    if (session.empty()) return fail(ErrorCode::kNotFound, "The session has ended.");
     const pqxx::result made = transaction.exec_params(
         R"sql(
         INSERT INTO api_tokens (id, user_id, token_hash, name, scopes, created_at, expires_at)

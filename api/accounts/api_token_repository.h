@@ -10,8 +10,9 @@ class ApiTokenRepository final : public ApiTokenStore {
  public:
   explicit ApiTokenRepository(Database& database) : database_(database) {}
 
-  Result<bool> create(const std::string& user_id, const ApiToken& token,
-                      const std::string& token_hash, int most, const Mail& notification) override;
+  Result<bool> create(const std::string& user_id, const std::string& session_id,
+                      const ApiToken& token, const std::string& token_hash, int most,
+                      const Mail& notification) override;
   Result<std::vector<ApiToken>> list(const std::string& user_id, Time now) override;
   Result<bool> revoke(const std::string& user_id, const std::string& id, Time now) override;
   Result<std::optional<TokenUse>> find(const std::string& token_hash, Time now) override;

@@ -31,8 +31,11 @@ Outcome<ApiTokens::Created> ApiTokens::create(const Principal& who, const Reques
       {new_id(), request.name, request.scopes, now, now + std::chrono::hours(24) * request.days},
       std::string(kApiTokenPrefix) + random_hex(32)};
   const auto made = store_.create(
-      who.user_id, created.token, blake2b(created.secret), kMostTokens,
+      who.user_id, who.session_id, created.token, blake2b(created.secret), kMostTokens,
       mails::api_token_created(who.language, who.email, request.name, options_.account_url));
+  if (!made && made.error().code == ErrorCode::kNotFound) {
+    return refuse(ProblemKind::kUnauthenticated, "You have been signed out. Please sign in again.");
+  }
   if (!made) return refuse(made.error());
   if (!*made) {
     return refuse(ProblemKind::kConflict, "You can have at most " + std::to_string(kMostTokens) +

@@ -35,9 +35,10 @@ struct TokenUse {
 class ApiTokenStore {
  public:
   virtual ~ApiTokenStore() = default;
-  /// Stores the token unless the account already has `most` valid ones. Returns false then.
-  virtual Result<bool> create(const std::string& user_id, const ApiToken& token,
-                              const std::string& token_hash, int most,
+  /// Stores the token unless the account already has `most` valid ones. Returns false then, and
+  /// kNotFound if the web session has ended: a new password ends it, and revokes all tokens.
+  virtual Result<bool> create(const std::string& user_id, const std::string& session_id,
+                              const ApiToken& token, const std::string& token_hash, int most,
                               const Mail& notification) = 0;
   /// Returns the valid tokens of an account, newest first.
   virtual Result<std::vector<ApiToken>> list(const std::string& user_id, Time now) = 0;

@@ -100,6 +100,12 @@ TEST_F(ApiTokensTest, NeverReachesTheSecurityOfTheAccountOrTheAdministration) {
   }
 }
 
+TEST_F(ApiTokensTest, IsNotCreatedOnceANewPasswordHasEndedTheSession) {
+  token_store.ended_sessions.insert(who.session_id);
+  EXPECT_EQ(refusal(tokens.create(who, wanted({kRead}))), ProblemKind::kUnauthenticated);
+  EXPECT_TRUE(token_store.tokens.empty());
+}
+
 TEST_F(ApiTokensTest, ExpiresAndCanBeRevoked) {
   const auto first = made();
   const auto second = made();

@@ -10,6 +10,12 @@ namespace diaphane::render {
 
 std::optional<BrainFacts> brain_of(const volume::Volume& volume) {
   if (!volume::has_brain(volume)) return std::nullopt;
+  // A label set that is full has no room for the brain (volume::list_found_labels()).
+  const auto& table = volume.label_set.table;
+  const bool listed = std::any_of(table.begin(), table.end(), [](const auto& entry) {
+    return entry.number == volume::kBrainNumber;
+  });
+  if (!listed && table.size() >= volume::kMostLabels) return std::nullopt;
   const volume::Header& header = volume.header;
   const auto labels = volume::decode(volume.labels, header.size);
   if (!labels) return std::nullopt;

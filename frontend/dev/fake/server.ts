@@ -18,7 +18,7 @@ const me: Me = {
   csrf_token: "0".repeat(64),
   administrator: false,
   second_factor: false,
-  consent: { version: "2026-11-26", given_at: "2026-11-26T00:00:00.000Z" },
+  consent: { version: "2026-11-27", given_at: "2026-11-26T00:00:00.000Z" },
   quota: { bytes: 20e9, used_bytes: 3.1e9 },
   render_time: { quota_ms: 72_000_000, used_ms: 0, renewed_at: "2027-01-01T00:00:00.000Z", pictures_end_at: null },
 };

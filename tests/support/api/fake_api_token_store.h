@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,13 @@ class FakeApiTokenStore final : public ApiTokenStore, public Fake {
   std::map<std::string, TokenUse> tokens;  ///< by hash
   std::vector<Mail> mails;
 
-  Result<bool> create(const std::string& user_id, const ApiToken& token, const std::string& hash,
-                      int most, const Mail& notification) override {
+  std::set<std::string> ended_sessions;
+
+  Result<bool> create(const std::string& user_id, const std::string& session_id,
+                      const ApiToken& token, const std::string& hash, int most,
+                      const Mail& notification) override {
     DIAPHANE_TRY(enter("create"));
+    if (ended_sessions.contains(session_id)) return fail(ErrorCode::kNotFound, "ended");
     if (static_cast<int>(tokens.size()) >= most) return false;
     tokens[hash] = {token, user_id, "a@example.org", kPrivacyTemplate};
     mails.push_back(notification);
