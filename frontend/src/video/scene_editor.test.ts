@@ -261,6 +261,16 @@ describe("presets", () => {
     ]);
   });
 
+  it("show what another one hides, also after its materials were edited", () => {
+    const alone = preset("brain", setShown(denser(7)(someScene()), unlabelled, false));
+    begin(someScene(), [preset("bone"), alone]);
+    editor.applyPreset(alone);
+    editor.change("density", denser(3));
+    expect(editor.activePreset()).toBeNull();
+    editor.applyPreset(preset("bone"));
+    expect(editor.scene.value?.labels).toEqual([]);
+  });
+
   it("are active if the scene has their look, from any camera", () => {
     begin(someScene(), [preset("bone"), glass()]);
     editor.act(orbit);
