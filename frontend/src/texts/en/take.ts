@@ -26,7 +26,7 @@ export const take = {
     "We render the picture again at the size you choose. You can carry on in the meantime. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
   pictureNow:
     "This saves the picture at once, exactly as you see it. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
-  onlyScreen: "You can’t save videos and larger pictures of this scan. The owner of a scan decides that.",
+  onlyScreen: "You can’t save videos or larger pictures of this scan. Only its owner can allow this.",
   size: "Size",
   sizes: {
     screen: (width: number, height: number) => `As it is on the screen now, ${width} × ${height}`,
