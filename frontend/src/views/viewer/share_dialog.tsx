@@ -104,8 +104,9 @@ export function TakeBack({ session, role }: { readonly session: ViewerSession; r
 }
 
 /**
- * Returns the key of the link in this tab's storage, where " slices" follows the path of a link that allows all slices. The server stores only the link's hash and
- * cannot show it again.
+ * Returns the key of the link in this tab's storage. The server stores only the link's hash and
+ * cannot show it again. The value is the path of the link, then " slices" if the link allows all
+ * slices.
  */
 const memory = (sessionId: string) => `diaphane.link.${sessionId}`;
 
