@@ -46,7 +46,7 @@ export const take = {
     good: "Good, hardly any grain",
     best: "Finished (takes the longest)",
   },
-  timeHint: "This uses your rendering time.",
+  timeHint: "This uses rendering time.",
   save: "Save the picture",
   ofPicture: {
     rendering: "Rendering the picture",
@@ -75,8 +75,8 @@ export const take = {
   },
   videoHint: (frames: number) =>
     frames > 0
-      ? `We’ll render ${count(frames, "picture", "pictures")} for this video. This uses your rendering time.`
-      : "This uses your rendering time.",
+      ? `We’ll render ${count(frames, "picture", "pictures")} for this video. This uses rendering time.`
+      : "This uses rendering time.",
   videoTime: (time: { readonly least: number; readonly most: number } | null) =>
     time === null
       ? "As soon as the picture is sharper, we can say here how long it will take."
