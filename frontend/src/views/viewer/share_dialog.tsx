@@ -113,8 +113,9 @@ const memory = (sessionId: string) => `diaphane.link.${sessionId}`;
 /** The link with which others join, and their permissions. */
 function LinkPart({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
   const [wide, setWide] = useState(false);
-  // Takes over, because a guest who was presenting has been disconnected.
   const ended = () => {
+    setWide(false);
+    // Takes over, because a guest who was presenting has been disconnected.
     if (role.follows && !role.freeCamera) session.handOver(role.you);
   };
   const { url, allSlices, message, busy, make, end, copy } = useGuestLink(session.sessionId ?? "", ended);
