@@ -1,10 +1,9 @@
 import { signal } from "@preact/signals";
 import { applyGesture } from "../input/apply_gesture";
-import { refitted, type CameraPose } from "../input/camera";
+import { isSamePose, refitted, type CameraPose } from "../input/camera";
 import type { Gesture } from "../input/gestures";
 import {
   cameraOf,
-  cameraToJson,
   sameLook,
   sameScene,
   withCamera,
@@ -197,9 +196,9 @@ export class SceneEditor {
 
   /** Whether nobody has moved the camera from where the look placed it. */
   private isHome(): boolean {
-    const scene = this.scene.value;
+    const pose = this.scene.value && cameraOf(this.scene.value);
     const home = this.home();
-    return scene !== null && home !== null && cameraToJson(scene) === cameraToJson(withCamera(scene, home));
+    return pose !== null && home !== null && isSamePose(pose, home);
   }
 
   private home(): CameraPose | null {
