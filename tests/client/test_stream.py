@@ -155,7 +155,7 @@ def test_looks_are_copies_and_unknown_ones_are_explained(scan):
         session.looks["bone"].bounces = 50
         assert session.scene("bone").bounces == 3
         assert session.scene({"name": "a preset", "scene": {"bounces": 5}}).bounces == 5
-        with pytest.raises(ValueError, match="no look 'skin', but bone"):
+        with pytest.raises(ValueError, match="no look 'skin'; it has bone"):
             session.render("skin")
         with pytest.raises(ValueError, match="5%"):
             session.render(error=5)

@@ -34,7 +34,7 @@ def test_a_token_is_made_used_and_revoked(stack: TestStack, visit, pictures: Pat
     box.get_by_role("button", name="Create a token…").click()
     box.get_by_role("checkbox", name="List, view and render scans").uncheck()
     box.get_by_role("button", name="Create token").click()
-    expect(box.get_by_text("Choose at least one.")).to_be_visible()
+    expect(box.get_by_text("Choose at least one permission.")).to_be_visible()
     assert faults(page) == []
     box.get_by_role("checkbox", name="List, view and render scans").check()
     box.get_by_label("Name").fill("Laptop in the lab")

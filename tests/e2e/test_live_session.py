@@ -426,4 +426,4 @@ def test_a_link_can_let_its_guests_look_through_all_slices(stack: TestStack, vis
     expect(dialog.get_by_text("Guests with this link can look through all slices, except what you have cut away.")).to_be_visible()
     dialog.get_by_role("button", name="Disable link").click()
     expect(guest.get_by_role("heading", name="Your visit has ended")).to_be_visible()
-    expect(wide).to_be_visible()
+    expect(wide).not_to_be_checked()

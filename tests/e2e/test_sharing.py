@@ -243,7 +243,7 @@ def test_the_owner_chooses_who_may_see_slices_and_save_videos(stack: TestStack, 
         dialog = page.get_by_role("dialog", name="Save or share")
         expect(dialog.get_by_label("File type")).to_have_count(int(downloads))
         expect(dialog.get_by_label("Size", exact=True)).to_have_count(int(downloads))
-        expect(dialog.get_by_text("You can’t save videos and larger pictures of this scan.")).to_have_count(int(not downloads))
+        expect(dialog.get_by_text("You can’t save videos or larger pictures of this scan.")).to_have_count(int(not downloads))
         expect(dialog.get_by_role("button", name="Save the picture")).to_be_enabled()  # of the screen
         page.screenshot(path=pictures / f"export-{'with' if downloads else 'without'}-downloads.png")
         page.keyboard.press("Escape")
@@ -282,7 +282,7 @@ def test_the_owner_chooses_who_may_see_slices_and_save_videos(stack: TestStack, 
     bert.page.goto("about:blank")
 
     links = dialog.get_by_role("region", name="Share by link")
-    links.get_by_role("checkbox", name="Also let them save videos and large pictures").check()
+    links.get_by_role("checkbox", name="Also let viewers save videos and large pictures").check()
     links.get_by_role("button", name="Create link").click()
     expect(links.get_by_text("with videos and large pictures", exact=True)).to_be_visible()
     link = links.get_by_label("Your new link").input_value()

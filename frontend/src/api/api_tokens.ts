@@ -17,6 +17,11 @@ export interface ApiToken {
   readonly used_at: string | null;
 }
 
+/** A new token with its text, which the server cannot show again. */
+export interface NewApiToken extends ApiToken {
+  readonly token: string;
+}
+
 export interface TokenOrder {
   readonly name: string;
   readonly scopes: readonly TokenScope[];
@@ -33,9 +38,8 @@ export class ApiTokensApi {
     return ((await (await this.send("GET", path)).json()) as { items: ApiToken[] }).items;
   }
 
-  /** Returns the text of the new token, which the server cannot show again. */
-  async create(order: TokenOrder): Promise<string> {
-    return ((await (await this.send("POST", path, { ...order })).json()) as { token: string }).token;
+  async create(order: TokenOrder): Promise<NewApiToken> {
+    return (await (await this.send("POST", path, { ...order })).json()) as NewApiToken;
   }
 
   async revoke(id: string): Promise<void> {

@@ -37,7 +37,7 @@ export class SharingApi {
   }
 
   /**
-   * Makes a scan public and sets what is allowed to users of the gallery, or makes it private.
+   * Makes a scan public and sets what users of the gallery may do with it, or makes it private.
    */
   setVisibility(id: string, visibility: "private"): Promise<DataSet>;
   setVisibility(id: string, visibility: "public", allowed: Permissions): Promise<DataSet>;
@@ -53,7 +53,7 @@ export class SharingApi {
     await this.send("POST", `/v1/data-sets/${id}/people`, { email, may, ...allowed });
   }
 
-  /** Changes what a person may do. If they lose something, a view of theirs is disconnected. */
+  /** Changes what a person may do. If they lose a permission, their sessions of the scan end. */
   async changePerson(id: string, person: string, change: Partial<Permissions>): Promise<void> {
     await this.send("PATCH", `/v1/data-sets/${id}/people/${person}`, change);
   }

@@ -155,7 +155,7 @@ export interface DataSet {
   readonly updated_at: string;
 }
 
-/** What an owner allows viewers besides the picture. */
+/** What viewers may do besides viewing the picture, if the owner permits it. */
 export interface Permissions {
   readonly slices: boolean;
   /** Videos and large pictures. */

@@ -2,12 +2,12 @@ import type { AnonymiseApi } from "../api/anonymise";
 import { ApiProblem } from "../api/client";
 import type { RegionBody } from "./region";
 
-/** What became of a cut. `problem` is a sentence of the server, or empty. */
+/** The outcome of a cut. `problem` is the server's explanation of a failure, or empty. */
 export type CutOutcome = "done" | { readonly problem: string };
 
 export interface CutSteps {
   readonly api: Pick<AnonymiseApi, "look" | "cut">;
-  /** Waits until the server may know more. */
+  /** Waits before the next request for the state. */
   readonly pause: () => Promise<void>;
   /** Whether nobody waits for the outcome any longer. */
   readonly isOver: () => boolean;
@@ -25,19 +25,19 @@ export async function carryOutCut(
   volumeHash: string,
 ): Promise<CutOutcome | null> {
   const before = await api.look(id);
-  const isUnheard = await api.cut(id, keep, volumeHash).then(
+  const isUnanswered = await api.cut(id, keep, volumeHash).then(
     () => false,
     (thrown: unknown) => {
       if (isUncertain(thrown)) return true;
       throw thrown;
     },
   );
-  if (isUnheard) await pause(); // the request may still be on its way
+  if (isUnanswered) await pause(); // the request may still be on its way
   while (!isOver()) {
     const now = await api.look(id).catch(() => null); // the next one may succeed
     if (now?.state === "ready") {
       if (now.anonymised_at !== before.anonymised_at) return "done";
-      return { problem: isUnheard && now.problem === before.problem ? "" : (now.problem ?? "") };
+      return { problem: isUnanswered && now.problem === before.problem ? "" : (now.problem ?? "") };
     }
     await pause();
   }

@@ -139,6 +139,18 @@ export function refitted(pose: CameraPose, aspectBefore: number, aspect: number)
   return { ...pose, eye: add(pose.target, scale(subtract(pose.eye, pose.target), factor)) };
 }
 
+/** Whether two cameras are the same except for rounding, as after a change of the window's shape. */
+export function isSamePose(a: CameraPose, b: CameraPose): boolean {
+  const rounding = 1e-6;
+  const far = rounding * length(subtract(b.eye, b.target));
+  return (
+    length(subtract(a.eye, b.eye)) <= far &&
+    length(subtract(a.target, b.target)) <= far &&
+    length(subtract(a.up, b.up)) <= rounding &&
+    Math.abs(a.verticalFovDegrees - b.verticalFovDegrees) <= rounding
+  );
+}
+
 /**
  * Returns where a unit axis of the patient points in the picture: x to the right, y up, z towards
  * the viewer.

@@ -19,6 +19,8 @@ export interface Place {
    */
   readonly savedMarks: (() => Promise<readonly AnnotationSet[]>) | null;
   ticketSource(known: string | null, session: (id: string) => void): TicketSource;
+  /** Tickets for a second session, which renders a file while the first one is on the page. */
+  fileTicketSource(session: (id: string) => void): TicketSource;
   /** Called when the user leaves the page. */
   leave(sessionId: string | null): void;
 }
@@ -31,6 +33,7 @@ export function ownPlace(api: Api, dataSetId: string): Place {
     isVisit: false,
     savedMarks: () => api.annotations.list(dataSetId),
     ticketSource: (known, session) => sessionTicketSource(api, dataSetId, known, session),
+    fileTicketSource: (session) => sessionTicketSource(api, dataSetId, null, session),
     leave: (sessionId) => {
       if (sessionId !== null) void api.endSession(sessionId).catch(() => undefined);
     },
@@ -38,13 +41,15 @@ export function ownPlace(api: Api, dataSetId: string): Place {
 }
 
 export function guestPlace(api: Api, token: string, guest: Guest): Place {
+  const ticketSource = () => guestTicketSource(api, token, guest.key, guest.name);
   return {
     key: `guest.${token.slice(0, 8)}`,
     data_set_id: null,
     pictured_id: null,
     isVisit: false,
     savedMarks: null,
-    ticketSource: () => guestTicketSource(api, token, guest.key, guest.name),
+    ticketSource,
+    fileTicketSource: ticketSource, // not used, because guests can render no files
     leave: () => undefined,
   };
 }
@@ -55,6 +60,8 @@ export function visitPlace(
   what: { readonly token: string } | { readonly data_set_id: string },
   key: string,
 ): Place {
+  // The same key would continue the visit, and so disconnect the page.
+  const fileKey = randomKey() + randomKey();
   return {
     key: `visit.${key.slice(0, 8)}`,
     data_set_id: null,
@@ -62,6 +69,7 @@ export function visitPlace(
     isVisit: true,
     savedMarks: () => ("token" in what ? api.annotations.follow(what.token) : api.annotations.list(what.data_set_id)),
     ticketSource: () => visitTicketSource(api.sharing, what, key),
+    fileTicketSource: () => visitTicketSource(api.sharing, what, fileKey),
     leave: () => undefined,
   };
 }

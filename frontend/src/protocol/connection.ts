@@ -72,7 +72,7 @@ export const firstState: ConnectionState = { phase: "idle", attempt: 0, wasLive:
  */
 export const isOver = (state: ConnectionState): boolean => isVisitOver(state) || state.trouble === "time_spent";
 
-/** Whether a visit has ended, of which nothing may be shown or saved any longer. */
+/** Whether a visit has ended, so that nothing of the scan may be shown or saved any longer. */
 export const isVisitOver = ({ trouble }: ConnectionState): boolean => trouble === "link_ended";
 
 const stepLimitMs = 10_000;

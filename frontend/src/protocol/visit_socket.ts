@@ -5,8 +5,9 @@ const sessionGone = 4404;
 const linkEnded = 4410;
 
 /**
- * Opens a visitor's stream. A visit is over when its session is. Otherwise, the page would begin
- * the next visit at once, and nobody's time would ever end.
+ * Opens a visitor's stream and treats the end of its session as the end of the visit. If it were
+ * treated as a lost connection, the page would begin the next visit at once, and visits would never
+ * end.
  */
 export const forVisit =
   (open: OpenSocket): OpenSocket =>

@@ -156,7 +156,7 @@ export const groupedTags: Readonly<Record<string, readonly string[]>> = {
 
 /**
  * Replaces the name of a stack, which can be any text, by a short hash. Equal names stay equal, and
- * different names stay different, because frames of two stacks must not become one.
+ * different names stay different, because the frames of two stacks must not be merged.
  */
 const disguised = (name: string): string =>
   Array.from(sha256(new TextEncoder().encode(name)).subarray(0, 4), (byte) => byte.toString(16).padStart(2, "0")).join(

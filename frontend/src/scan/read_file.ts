@@ -12,7 +12,7 @@ import type { SliceHeader } from "./types";
 const steps = [8 * 1024, 64 * 1024, 256 * 1024, 64 * 1024 * 1024];
 /** The largest initial step, even if the previous file needed a larger one. */
 const mostAtOnce = 2;
-/** The server's limits of deflated data (ingest/dicom/precheck.h). */
+/** The server's limit for inflated data (ingest/dicom/precheck.h). */
 const inflatedLimit = (packed: number) => Math.min(2 ** 28, 2 ** 24 + 32 * packed);
 
 /** Reads the headers of a disc one after the other. Those of a series have the same length. */
@@ -57,7 +57,8 @@ export class HeaderReader {
 
 /** Inflates the file. The result has no file header and is what is sent. */
 async function readDeflated(packed: Blob, index: number): Promise<HeaderRead> {
-  // If the file is cut off, what precedes the end is used. Of one that is too large, the slices would be cut off.
+  // Of a truncated file, the part that exists is used. A file that inflates too far is refused,
+  // because its last slices would be missing.
   const { bytes, end } = await readAtMost(
     packed.stream().pipeThrough(new DecompressionStream("deflate-raw")),
     inflatedLimit(packed.size),

@@ -49,12 +49,14 @@ export const setShown = (scene: Scene, number: number, shown: boolean): Scene =>
   setOpacity(scene, number, shown ? 1 : 0);
 
 /**
- * Returns how labels are shown when the look changes from one preset to another: as the new one
- * says, except for those that the user has changed.
+ * Returns how labels are shown when the look changes to that of the preset `to`: as the preset
+ * says, except for labels that the user has changed. A label counts as unchanged if one of the
+ * presets `from` shows it in the same way.
  */
-export function labelsAfter(scene: Scene, from: Scene | undefined, to: Scene): LabelLook[] {
-  const isOf = (look: LabelLook) => from?.labels.some((one) => equals(LabelLookSchema, one, look)) ?? false;
-  const chosen = scene.labels.filter((look) => !isOf(look));
+export function labelsAfter(scene: Scene, from: readonly Scene[], to: Scene): LabelLook[] {
+  const offered = from.flatMap(({ labels }) => labels);
+  const isOffered = (look: LabelLook) => offered.some((one) => equals(LabelLookSchema, one, look));
+  const chosen = scene.labels.filter((look) => !isOffered(look));
   const others = to.labels.filter(({ number }) => !chosen.some((look) => look.number === number));
   return [...others, ...chosen].sort((a, b) => a.number - b.number);
 }

@@ -245,6 +245,21 @@ describe("presets", () => {
     expect(editor.scene.value?.camera).toEqual(moved);
   });
 
+  it("bring their own camera also after the window was resized", () => {
+    const near = seenFrom(vec3(0, -50, 0))(denser(7)(someScene()));
+    begin(someScene(), [preset("bone"), preset("brain", near)]);
+    for (const next of [
+      { width: 210, height: 370 },
+      { width: 170, height: 390 },
+    ]) {
+      const before = size;
+      size = next;
+      editor.resized(before, next);
+    }
+    editor.applyPreset(preset("brain", near));
+    expect(editor.scene.value && cameraOf(editor.scene.value)).toEqual(cameraOf(editor.framed(near)));
+  });
+
   it("show and hide what they need, but leave what the user has changed", () => {
     const alone = preset("brain", setShown(denser(7)(someScene()), unlabelled, false));
     begin(someScene(), [preset("bone"), alone]);
@@ -259,6 +274,16 @@ describe("presets", () => {
       [unlabelled, 0.5],
       [3, 0],
     ]);
+  });
+
+  it("show what another one hides, also after its materials were edited", () => {
+    const alone = preset("brain", setShown(denser(7)(someScene()), unlabelled, false));
+    begin(someScene(), [preset("bone"), alone]);
+    editor.applyPreset(alone);
+    editor.change("density", denser(3));
+    expect(editor.activePreset()).toBeNull();
+    editor.applyPreset(preset("bone"));
+    expect(editor.scene.value?.labels).toEqual([]);
   });
 
   it("are active if the scene has their look, from any camera", () => {

@@ -1,10 +1,9 @@
 import { signal } from "@preact/signals";
 import { applyGesture } from "../input/apply_gesture";
-import { refitted, type CameraPose } from "../input/camera";
+import { isSamePose, refitted, type CameraPose } from "../input/camera";
 import type { Gesture } from "../input/gestures";
 import {
   cameraOf,
-  cameraToJson,
   sameLook,
   sameScene,
   withCamera,
@@ -119,8 +118,9 @@ export class SceneEditor {
   }
 
   /**
-   * Applies a look but keeps the cuts, the slices, what the user has changed about labels, whether
-   * the table is shown, and the camera once somebody has moved it: looks of parts are framed on them.
+   * Applies a look but keeps the cuts, the slices, what the user has changed about labels and
+   * whether the table is shown. The camera stays once somebody has moved it. Until then, the look
+   * brings its own, because the look of a part is framed on that part.
    */
   applyPreset(preset: Preset): void {
     if (!preset.scene) return;
@@ -129,7 +129,7 @@ export class SceneEditor {
       ...(now?.camera && !this.isHome() ? { camera: now.camera } : {}),
       ...(now?.clip ? { clip: now.clip } : {}),
       ...(now?.slices ? { slices: now.slices } : {}),
-      ...(now ? { showTable: now.showTable, labels: labelsAfter(now, this.activePreset()?.scene, preset.scene) } : {}),
+      ...(now ? { showTable: now.showTable, labels: labelsAfter(now, this.shownPresets(), preset.scene) } : {}),
     };
     this.setScene({ ...this.framed(preset.scene), ...kept }, { what: `preset ${preset.name}`, held: false }, true);
   }
@@ -188,11 +188,17 @@ export class SceneEditor {
     return (scene && this.presets.value.find((preset) => preset.scene && sameLook(preset.scene, scene))) ?? null;
   }
 
+  /** The presets that the scene may come from: any of them if the user has edited its materials. */
+  private shownPresets(): readonly Scene[] {
+    const active = this.activePreset();
+    return (active ? [active] : this.presets.value).flatMap(({ scene }) => scene ?? []);
+  }
+
   /** Whether nobody has moved the camera from where the look placed it. */
   private isHome(): boolean {
-    const scene = this.scene.value;
+    const pose = this.scene.value && cameraOf(this.scene.value);
     const home = this.home();
-    return scene !== null && home !== null && cameraToJson(scene) === cameraToJson(withCamera(scene, home));
+    return pose !== null && home !== null && isSamePose(pose, home);
   }
 
   private home(): CameraPose | null {

@@ -384,6 +384,9 @@ export class ViewerSession {
   private events(): StreamEvents {
     return {
       connection: (state) => {
+        // Drops the message of the last connection. On a live one, a configuration also follows the
+        // message that the own view was closed, which must stay.
+        if (state.phase === "live" && this.connection.value.phase !== "live") this.problem.value = "";
         this.connection.value = state;
         if (isOver(state)) this.slices.allow("none"); // nothing of the scan stays on the screen
       },
@@ -398,7 +401,9 @@ export class ViewerSession {
       state: (state) => this.pictures.setConverged(state.converged ? Number(state.epoch) : null),
       audience: (audience) => {
         this.audience.value = audience;
-        this.ownView.audienceChanged(roleOf(audience).freeCamera);
+        const { freeCamera, presents } = roleOf(audience);
+        this.ownView.audienceChanged(freeCamera);
+        if (presents) this.ownView.refused(); // the server drops the request of a new presenter
         this.slices.allow(sliceAccess[audience.slices]);
         this.collaboration.audienceChanged(audience);
         this.sharedMarks.audienceChanged(audience);
@@ -453,7 +458,6 @@ export class ViewerSession {
 
   private configured(config: Config): void {
     this.pictures.reset();
-    this.problem.value = ""; // of the worker that is no longer connected
     this.device.value = config.device;
     this.kernel.value = null;
     this.volume.value = config.volume ?? null;

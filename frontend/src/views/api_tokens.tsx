@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import { tokenScopes, type ApiToken, type TokenScope } from "../api/api_tokens";
+import { tokenScopes, type ApiToken, type NewApiToken, type TokenScope } from "../api/api_tokens";
 import { ApiProblem } from "../api/client";
 import { t } from "../texts";
 import { problemText } from "../texts/problem_text";
@@ -18,8 +18,8 @@ const longestName = 60;
 const mostTokens = 20;
 
 /**
- * The panel of the account page for API tokens. `coded` means that the account has a second factor,
- * so that a new token requires a code.
+ * The panel of the account page for API tokens. `coded`: the account has a second factor, so a new
+ * token requires a code.
  */
 export function ApiTokens({ coded }: { readonly coded: boolean }) {
   const { items, wrong, made, setMade, load, revoke } = useTokens();
@@ -32,7 +32,7 @@ export function ApiTokens({ coded }: { readonly coded: boolean }) {
       <p class="muted">{text.about}</p>
       {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
       {items === null && !wrong ? <Loading /> : null}
-      {made ? <NewToken token={made} onKept={() => setMade("")} /> : null}
+      {made ? <NewToken token={made.token} onKept={() => setMade(null)} /> : null}
       {items?.length === 0 ? <p>{text.none}</p> : null}
       <ul class="rows">
         {(items ?? []).map((one) => (
@@ -57,7 +57,7 @@ export function ApiTokens({ coded }: { readonly coded: boolean }) {
           </p>
         </>
       ) : null}
-      {!asking && items && items.length < mostTokens ? (
+      {!asking && !made && items && items.length < mostTokens ? (
         <p>
           <button type="button" class="button" onClick={() => setAsking(true)}>
             {text.ask}
@@ -68,19 +68,19 @@ export function ApiTokens({ coded }: { readonly coded: boolean }) {
   );
 }
 
-/** The user's tokens. `made` is the text of a new one until the user has copied it. */
+/** The user's tokens. `made` is a new one until the user has saved its text. */
 function useTokens() {
   const app = useApp();
   const [items, setItems] = useState<readonly ApiToken[] | null>(null);
   const [wrong, setWrong] = useState("");
-  const [made, setMade] = useState("");
+  const [made, setMade] = useState<NewApiToken | null>(null);
   const explain = (thrown: unknown) => setWrong(app.explain(thrown));
   const load = () => {
     app.api.tokens.list().then(setItems, (thrown: unknown) => setWrong(app.explain(thrown)));
   };
   useEffect(load, [app]);
   const revoke = (token: ApiToken) => {
-    setMade("");
+    if (token.id === made?.id) setMade(null);
     setWrong("");
     app.api.tokens.revoke(token.id).then(load, explain);
   };
@@ -131,7 +131,7 @@ function NewToken({ token, onKept }: { readonly token: string; readonly onKept: 
 
 interface CreateProps {
   readonly coded: boolean;
-  readonly onDone: (token: string) => void;
+  readonly onDone: (token: NewApiToken) => void;
 }
 
 function CreateToken({ coded, onDone }: CreateProps) {

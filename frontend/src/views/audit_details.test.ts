@@ -15,5 +15,8 @@ it("gives the details of an entry in the language of the page", async () => {
   );
   expect(text("data-set.link-made", { link: "8370e8d0-5550-4350-8819-ff84a1b2c3d4" })).toBe("Link: 8370e8d0");
   expect(text("data-set.published", { slices: 1 })).toBe("Schichten: ja");
+  expect(text("account.token-created", { scopes: "read.share", token: "8370e8d0-5550-4350-8819-ff84a1b2c3d4" })).toBe(
+    "Rechte: ansehen und rendern; teilen, Token: 8370e8d0",
+  );
   expect(text("later", { new: "word" })).toBe("new: word");
 });

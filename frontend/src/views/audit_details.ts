@@ -20,6 +20,11 @@ export function detailsText({ action, details }: Pick<AuditEntry, "action" | "de
 const isId = /^[0-9a-f]{8}-[0-9a-f-]{27}$/;
 
 function valueText(action: string, name: string, value: number | string): string {
+  if (name === "scopes" && typeof value === "string")
+    return value
+      .split(".") // as the server joins them, because a word of the log has no spaces
+      .map((scope) => t.admin.scopes[scope] ?? scope)
+      .join("; ");
   if (typeof value === "string") return t.admin.detailWords[value] ?? (isId.test(value) ? value.slice(0, 8) : value);
   if (action === "account.storage-quota-changed") return bytesText(value);
   if (action === "account.render-quota-changed") return t.myAccount.hours(value);

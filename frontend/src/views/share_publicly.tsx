@@ -80,7 +80,7 @@ function AnonymiseFirst({ set }: { readonly set: DataSet }) {
   );
 }
 
-/** The public name of the owner, what is allowed to everyone, and the actions that change the visibility. */
+/** The public name of the owner, what everyone may do, and the actions that change the visibility. */
 function usePublication(set: DataSet, onChange: (set: DataSet) => void) {
   const { app, act, busy, outcome } = useAct();
   const [name, setName] = useState("");
@@ -98,12 +98,17 @@ function usePublication(set: DataSet, onChange: (set: DataSet) => void) {
       onChange(await app.api.sharing.setVisibility(set.id, "public", allowed));
       return text.isPublic;
     });
-  /** Changes what is allowed, which applies at once to a public scan, and says `done`. */
+  /** Changes what everyone may do, at once if the scan is public. Then shows the text `done`. */
   const allow = (to: Permissions, done: string) => {
     setAllowed(to);
     if (!set.is_public) return;
     act(async () => {
-      onChange(await app.api.sharing.setVisibility(set.id, "public", to));
+      try {
+        onChange(await app.api.sharing.setVisibility(set.id, "public", to));
+      } catch (thrown) {
+        setAllowed(allowed); // the switch shows what still applies
+        throw thrown;
+      }
       return done;
     });
   };

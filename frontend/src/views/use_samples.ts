@@ -4,8 +4,9 @@ import { useApp } from "./state";
 import { wholeGallery } from "./use_gallery_search";
 
 /**
- * The samples of this installation, or null until they are known: first those that are not a CT,
- * because a skull is a hard first sight, and of each kind the oldest. An installation may have none.
+ * The samples of this installation, or null until they are known. CT scans come last, because a
+ * skull can frighten newcomers. Samples of one kind are sorted by age, the oldest first. An
+ * installation may have none.
  */
 export function useSamples(): readonly DataSet[] | null {
   const app = useApp();

@@ -113,11 +113,9 @@ def _grouped(item: Dataset) -> dict[tuple[int, int], DataElement]:
         for tag in (one for one in tags if one in inner):
             element = inner[tag]
             if tag == 0x00209056:
-                # The name of a stack can be any text. Equal names stay equal.
-                number = 7
-                for letter in str(element.value).strip():
-                    number = (number * 31 + ord(letter)) % 9973
-                found[group, tag] = DataElement(tag, "SH", str(number))
+                # The name of a stack can be any text. Its hash keeps equal names equal and others different.
+                name = str(element.value).strip()
+                found[group, tag] = DataElement(tag, "SH", hashlib.sha256(name.encode()).hexdigest()[:8])
             elif tag == 0x00089007:
                 found[group, tag] = DataElement(tag, "CS", _image_words("\\".join(element.value) if element.VM > 1 else str(element.value)))
             elif (kept := kept_element(element)) is not None:
@@ -147,9 +145,10 @@ def _frame_groups(source: Dataset) -> DicomSequence | None:
 
 def clean_dicom(source: Dataset, number: int) -> bytes:
     """Returns the file to upload. `number` is its position in the bundle, from 1, which replaces the identifiers."""
+    if _PIXELS not in source:
+        raise UnreadableFile(f"file {number} of the series contains no pixels")
     own = f"2.25.{1000 + number}"
     meta = FileMetaDataset()
-    meta.MediaStorageSOPClassUID = UID(str(source.get("SOPClassUID", "")))
     meta.MediaStorageSOPInstanceUID = UID(own)
     meta.TransferSyntaxUID = source.file_meta.TransferSyntaxUID
     meta.ImplementationClassUID = UID("2.25.3")
@@ -157,6 +156,8 @@ def clean_dicom(source: Dataset, number: int) -> bytes:
     for tag in KEPT_TAGS:
         if tag in source and (element := kept_element(source[tag])) is not None:
             clean.add(element)
+    # Taken from the clean elements, which contain the class only if it has the form of one.
+    clean.file_meta.MediaStorageSOPClassUID = UID(str(clean.get("SOPClassUID", "")))
     clean.SOPInstanceUID, clean.StudyInstanceUID, clean.SeriesInstanceUID = UID(own), UID("2.25.1"), UID("2.25.2")
     if (groups := _frame_groups(source)) is not None:
         clean.add(DataElement(_PER_FRAME, "SQ", groups))

@@ -21,7 +21,7 @@ class Api:
     def __init__(self, url: str, token: str, timeout: float, http: httpx.Client | None = None):
         parts = urlsplit(url)
         if parts.scheme not in ("http", "https") or not parts.netloc:
-            raise ValueError(f"the URL of a server begins with https://, unlike {url!r}")
+            raise ValueError(f"not the URL of a server: {url!r} (expected https://HOST)")
         #: Scheme, host and port, which the stream requires as the Origin header.
         self.origin = f"{parts.scheme}://{parts.netloc}".lower()
         self._http = http or httpx.Client(timeout=timeout)
@@ -32,10 +32,10 @@ class Api:
 
     def call(self, operation: str, *, query: dict[str, Any] | None = None, body: Any = None, content: bytes | None = None,
              headers: dict[str, str] | None = None, wait: float = 0, repeatable: bool = False, **parameters: str) -> httpx.Response:
-        """Sends an operation and returns its response. Raises the exception of errors.py for any error.
+        """Sends an operation and returns its response. Raises an exception of errors.py for any error.
 
-        Repeats a request that is refused because the server is busy, or fails to reach it, for at most `wait` seconds, if it
-        only reads. `repeatable` sends an Idempotency-Key, so that a request that creates something can be repeated, too.
+        Repeats a request that only reads for at most `wait` seconds while the server is busy or cannot be reached.
+        `repeatable` sends an Idempotency-Key, so that a request that creates something can be repeated, too.
         """
         method, path, _ = OPERATIONS[operation]
         for name, value in parameters.items():

@@ -20,7 +20,7 @@ _PROTOCOL = 1
 
 
 class Stream:
-    """A connection that acknowledges every picture, as the renderer sends only a few that are not acknowledged."""
+    """A connection that acknowledges every picture, because the renderer stops after a few unacknowledged ones."""
 
     def __init__(self, origin: str, stream_url: str, width: int, height: int, timeout: float):
         self.timeout = timeout

@@ -25,8 +25,8 @@ _FINAL = ("ready", "refused", "expired")
 class Diaphane:
     """A Diaphane server, used with an API token of an account.
 
-    Create a token on your account page, or set DIAPHANE_TOKEN. It needs the scope `read` to list and render scans, `write` to
-    upload, change and delete them, and `share` to decide who may see them.
+    Create a token on your account page, and pass it as `token` or in DIAPHANE_TOKEN. It needs the scope `read` to list and
+    render scans, `write` to upload, change and delete them, and `share` to decide who may see them.
     """
 
     def __init__(self, url: str, token: str | None = None, timeout: float = 60, http: httpx.Client | None = None):
@@ -46,7 +46,7 @@ class Diaphane:
         self.api.close()
 
     def scans(self) -> Iterator[Scan]:
-        """Yields your scans and those shared with you."""
+        """Yields your scans, those shared with you and the samples."""
         cursor: str | None = None
         while True:
             page = self.api.json("listDataSets", query={"limit": 100, **({"cursor": cursor} if cursor else {})}, wait=30)

@@ -115,7 +115,7 @@ class Picture:
 class Slice:
     """The exact voxel values of a slice, seen from below (axial), the front (coronal) or the patient's left (sagittal)."""
 
-    #: Of the shape (rows, columns), from the top left: Hounsfield units for CT.
+    #: The shape is (rows, columns), from the top left. The values of a CT are Hounsfield units.
     values: NDArray[np.int16]
     plane: str
     index: int

@@ -79,7 +79,7 @@ class Session:
         if isinstance(look, str):
             looks = self.looks
             if look not in looks:
-                raise ValueError(f"this scan has no look {look!r}, but {', '.join(sorted(looks))}")
+                raise ValueError(f"this scan has no look {look!r}; it has {', '.join(sorted(looks))}")
             return looks[look]
         # A preset contains its scene as a field.
         scene: Scene = json_format.ParseDict(dict(look.get("scene", look)), Scene(), ignore_unknown_fields=True)

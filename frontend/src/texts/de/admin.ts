@@ -120,6 +120,11 @@ export const admin: Texts["admin"] = {
     view: "ansehen",
     save: "ansehen und Voreinstellungen speichern",
   },
+  scopes: {
+    read: "ansehen und rendern",
+    write: "hochladen, bearbeiten und löschen",
+    share: "teilen",
+  },
   yes: "ja",
   no: "nein",
   machine: "Befehlszeile auf dem Server",

@@ -3,7 +3,7 @@ import type { Texts } from "../shape";
 export const apiTokens: Texts["apiTokens"] = {
   title: "API-Tokens",
   about:
-    "Mit einem API-Token kann ein Programm, zum Beispiel ein Python-Skript, Ihr Konto ohne Ihr Passwort nutzen. Es kann niemals Ihr Passwort, Ihre Zwei-Faktor-Authentifizierung, Ihre Tokens oder Ihr Konto ändern. Wenn Sie Ihr Passwort ändern oder sich überall abmelden, werden alle Tokens widerrufen.",
+    "Mit einem API-Token kann ein Programm, zum Beispiel ein Python-Skript, Ihr Konto ohne Ihr Passwort nutzen. Ein Token kann niemals Ihr Passwort, Ihre Zwei-Faktor-Authentifizierung, Ihre Tokens oder Ihr Konto ändern. Wenn Sie Ihr Passwort ändern oder sich überall abmelden, werden alle Tokens widerrufen.",
   none: "Sie haben keine API-Tokens.",
   scopes: {
     read: "Aufnahmen auflisten, ansehen und rendern",
@@ -18,9 +18,9 @@ export const apiTokens: Texts["apiTokens"] = {
   full: "Sie haben so viele Tokens, wie ein Konto haben kann. Widerrufen Sie zuerst eines.",
   ask: "Token erstellen …",
   name: "Name",
-  nameHint: "Wofür das Token ist, zum Beispiel „Laptop im Labor“.",
+  nameHint: "Wofür das Token gedacht ist, zum Beispiel „Laptop im Labor“.",
   may: "Das Token darf",
-  noScope: "Wählen Sie mindestens eines aus.",
+  noScope: "Wählen Sie mindestens ein Recht aus.",
   life: "Gültig für",
   lives: { 7: "7 Tage", 30: "30 Tage", 90: "90 Tage", 365: "1 Jahr" },
   create: "Token erstellen",

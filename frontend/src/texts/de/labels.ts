@@ -10,7 +10,7 @@ export const labels: Texts["labels"] = {
   noAnswer: "Der Server hat nicht geantwortet. Versuchen Sie es noch einmal.",
   nothingThere: "An dieser Stelle ist nichts von der Aufnahme. Wählen Sie eine andere.",
   unmarked: "Hier ist keine Struktur markiert.",
-  brain: "Gehirn mit dem Hirnwasser um es herum",
+  brain: "Gehirn mit umgebendem Hirnwasser",
   untitled: (number) => `Struktur ${number}`,
   show: (name) => `${name} zeigen`,
   only: "Nur diese",

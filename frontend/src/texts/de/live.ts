@@ -15,10 +15,10 @@ export const live: Texts["live"] = {
   guestSlices: "Gäste dürfen auch die Schichten sehen",
   guestSlicesHint:
     "Solange Schichten präsentiert werden, sehen sie dieselben Schichten mit den genauen Werten der Aufnahme, aber nichts, was Sie weggeschnitten haben. Sie können das jederzeit wieder ausschalten.",
-  allSlices: "Gäste mit diesem Link dürfen alle Schichten durchsehen",
+  allSlices: "Gäste mit diesem Link dürfen alle Schichten ansehen",
   allSlicesHint:
-    "Sie wählen die Schichten jederzeit selbst, sehen aber nichts, was Sie weggeschnitten haben. Um das später zu ändern, deaktivieren Sie den Link und erstellen einen neuen.",
-  withAllSlices: "Gäste mit diesem Link dürfen alle Schichten durchsehen, außer dem, was Sie weggeschnitten haben.",
+    "Die Gäste wählen die Schichten jederzeit selbst, sehen aber nichts, was Sie weggeschnitten haben. Um das später zu ändern, deaktivieren Sie den Link und erstellen einen neuen.",
+  withAllSlices: "Gäste mit diesem Link dürfen alle Schichten ansehen, aber nichts, was Sie weggeschnitten haben.",
   guestPointers: "Gäste dürfen auf Stellen zeigen und Markierungen setzen",
   pointHint:
     "Alle sehen, worauf Sie zeigen. Bewegen Sie die Maus über das Bild oder eine Schicht, oder halten Sie einen Finger darauf.",

@@ -31,7 +31,7 @@ export const take: Texts["take"] = {
   pictureNow:
     "Das Bild wird sofort gespeichert, genau wie Sie es sehen. Die Datei enthält nur das Bild: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme es stammt.",
   onlyScreen:
-    "Videos und größere Bilder dieser Aufnahme können Sie nicht speichern. Das entscheidet, wem eine Aufnahme gehört.",
+    "Videos und größere Bilder dieser Aufnahme können Sie nicht speichern. Das kann nur die Person erlauben, der die Aufnahme gehört.",
   size: "Größe",
   sizes: {
     screen: (width, height) => `Wie jetzt auf dem Bildschirm, ${width} × ${height}`,

@@ -118,6 +118,12 @@ export const admin = {
     view: "view",
     save: "view and save presets",
   } as Readonly<Record<string, string>>,
+  /** What an API token permits. */
+  scopes: {
+    read: "view and render",
+    write: "upload, edit and delete",
+    share: "share",
+  } as Readonly<Record<string, string>>,
   yes: "yes",
   no: "no",
   machine: "Command line on the server",

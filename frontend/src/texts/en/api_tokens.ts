@@ -2,7 +2,7 @@
 export const apiTokens = {
   title: "API tokens",
   about:
-    "With an API token, a program such as a Python script can use your account without your password. It can never change your password, your two-factor authentication, your tokens or your account. Changing your password or signing out everywhere revokes all tokens.",
+    "With an API token, a program such as a Python script can use your account without your password. A token can never change your password, your two-factor authentication, your tokens or your account. Changing your password or signing out everywhere revokes all tokens.",
   none: "You have no API tokens.",
   scopes: {
     read: "List, view and render scans",
@@ -19,7 +19,7 @@ export const apiTokens = {
   name: "Name",
   nameHint: "What the token is for, for example “Laptop in the lab”.",
   may: "The token may",
-  noScope: "Choose at least one.",
+  noScope: "Choose at least one permission.",
   life: "Valid for",
   lives: { 7: "7 days", 30: "30 days", 90: "90 days", 365: "1 year" },
   create: "Create token",

@@ -1,6 +1,6 @@
 import { count, fixed } from "./counting";
 
-/** Labels: structures that somebody has marked in a scan. */
+/** Labels: structures that are marked in a scan, by a person or by the server. */
 export const labels = {
   lead: "These structures are marked in the scan. Choose one to change its look. To see those inside the body, hide everything that isn’t marked.",
   coloured: "Show the structures in colour",

@@ -13,10 +13,10 @@ export const live = {
   endLink: "Disable link",
   guestSlices: "Guests can also see the slices",
   guestSlicesHint:
-    "While the presenter shows slices, they see the same slices with the exact values of the scan, but nothing that you have cut away. You can turn this off at any time.",
+    "While the presenter shows slices, guests see the same slices with the exact values of the scan, but nothing that you have cut away. You can turn this off at any time.",
   allSlices: "Guests with this link can look through all slices",
   allSlicesHint:
-    "They choose the slices themselves at any time, but see nothing that you have cut away. To change this later, disable the link and create a new one.",
+    "Guests choose the slices themselves at any time, but see nothing that you have cut away. To change this later, disable the link and create a new one.",
   withAllSlices: "Guests with this link can look through all slices, except what you have cut away.",
   guestPointers: "Guests can point and make marks",
   pointHint:

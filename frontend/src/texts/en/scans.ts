@@ -33,7 +33,7 @@ export const scans = {
   rename: (title: string) => `Rename ${title}`,
   renameTitle: "Rename this scan",
   renameSave: "Save",
-  /** Titles of the samples that come with Diaphane, by what they are stored as. */
+  /** Translated titles of the samples that come with Diaphane, by their stored titles. */
   sampleTitles: {} as Readonly<Record<string, string>>,
   sampleTitle: "Sample scan",
   sample: "Sample",

@@ -31,8 +31,8 @@ export const sharing = {
     whole: "Whole body",
     other: "Other",
   } as Readonly<Record<string, string>>,
-  downloads: "Also let them save videos and large pictures",
-  downloadsHint: "Anyone who sees the picture can save what is on their screen, even without this.",
+  downloads: "Also let viewers save videos and large pictures",
+  downloadsHint: "Anyone who sees the picture can save what is on their screen, even without this permission.",
   people: {
     title: "Share with specific people",
     lead: "We’ll send them an email that shows your email address and your public name. They sign in with the address you enter here and find the scan under “Shared with me”. We don’t tell anyone, including you, whether an address has an account. If they don’t have an account yet, the invitation waits for them.",
@@ -46,7 +46,7 @@ export const sharing = {
     mayOf: (email: string) => `Permissions of ${email}`,
     mayNew: "Permissions of the new person",
     changeHint:
-      "If you take away a permission, the person is disconnected if they are viewing the scan. They can open it again without that permission.",
+      "If you take away a permission while the person is viewing the scan, they are disconnected. They can open it again without that permission.",
     changed: (email: string) => `Permissions of ${email} changed.`,
     add: "Share",
     nobody: "You haven’t shared this scan with anyone yet.",

@@ -26,7 +26,7 @@ export const take = {
     "We render the picture again at the size you choose. You can carry on in the meantime. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
   pictureNow:
     "This saves the picture at once, exactly as you see it. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
-  onlyScreen: "You can’t save videos and larger pictures of this scan. The owner of a scan decides that.",
+  onlyScreen: "You can’t save videos or larger pictures of this scan. Only its owner can allow this.",
   size: "Size",
   sizes: {
     screen: (width: number, height: number) => `As it is on the screen now, ${width} × ${height}`,
@@ -46,7 +46,7 @@ export const take = {
     good: "Good, hardly any grain",
     best: "Finished (takes the longest)",
   },
-  timeHint: "This uses your rendering time.",
+  timeHint: "This uses rendering time.",
   save: "Save the picture",
   ofPicture: {
     rendering: "Rendering the picture",
@@ -75,8 +75,8 @@ export const take = {
   },
   videoHint: (frames: number) =>
     frames > 0
-      ? `We’ll render ${count(frames, "picture", "pictures")} for this video. This uses your rendering time.`
-      : "This uses your rendering time.",
+      ? `We’ll render ${count(frames, "picture", "pictures")} for this video. This uses rendering time.`
+      : "This uses rendering time.",
   videoTime: (time: { readonly least: number; readonly most: number } | null) =>
     time === null
       ? "As soon as the picture is sharper, we can say here how long it will take."

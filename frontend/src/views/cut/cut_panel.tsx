@@ -49,7 +49,7 @@ export function CutPanel(props: CutPanelProps) {
 
 const retryMs = 1500;
 
-/** What the server knows about the scan. It is asked again until it answers, because there is no cut without it. */
+/** Requests what the server knows about the scan until it responds, because a cut requires it. */
 function useFacts(dataSetId: string) {
   const app = useApp();
   const [facts, setFacts] = useState<Anonymise | null>(null);

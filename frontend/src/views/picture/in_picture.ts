@@ -11,7 +11,7 @@ export type HandleSet = "cuts" | "light";
 export interface Picking {
   readonly label: string;
   readonly pick: (at: Point) => Promise<string | null>;
-  /** What ends the request on a button, if that is not to cancel something. */
+  /** The label of the button that ends the request, unless it is "Cancel". */
   readonly end?: string;
 }
 

@@ -104,16 +104,18 @@ export function TakeBack({ session, role }: { readonly session: ViewerSession; r
 }
 
 /**
- * Returns the key of the link in this tab's storage, where " slices" follows the path of a link that allows all slices. The server stores only the link's hash and
- * cannot show it again.
+ * Returns the key of the link in this tab's storage. The server stores only the link's hash and
+ * cannot show it again. The value is the path of the link, then " slices" if the link allows all
+ * slices.
  */
 const memory = (sessionId: string) => `diaphane.link.${sessionId}`;
 
 /** The link with which others join, and their permissions. */
 function LinkPart({ session, role }: { readonly session: ViewerSession; readonly role: Role }) {
   const [wide, setWide] = useState(false);
-  // Takes over, because a guest who was presenting has been disconnected.
   const ended = () => {
+    setWide(false);
+    // Takes over, because a guest who was presenting has been disconnected.
     if (role.follows && !role.freeCamera) session.handOver(role.you);
   };
   const { url, allSlices, message, busy, make, end, copy } = useGuestLink(session.sessionId ?? "", ended);

@@ -31,7 +31,7 @@ export function ExportDialog({ session, rendered, guest, busy, onExport, onClose
           <Choice
             label={text.what}
             value={what}
-            // A visitor without an account sees no saved presets.
+            // A tour goes through saved presets, which a visitor without an account does not have.
             options={Object.entries(text.kinds).filter(([kind]) => kind !== "tour" || session.dataSetId !== null)}
             onChoose={(kind) => setWhat(kind as typeof what)}
           />

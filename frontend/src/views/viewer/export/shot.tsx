@@ -91,7 +91,7 @@ export function useShot(place: Place): Shot {
 /** Returns the source of a separate session, which ends when the file is complete or cancelled. */
 function ownSession(place: Place) {
   let id: string | null = null;
-  return { ticketSource: place.ticketSource(null, (known) => (id = known)), leave: () => place.leave(id) };
+  return { ticketSource: place.fileTicketSource((known) => (id = known)), leave: () => place.leave(id) };
 }
 
 function file(order: FileOrder, place: Place, tell: (state: FileState) => void): Work {
