@@ -1,4 +1,4 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useState, useId } from "preact/hooks";
 import { tokenScopes, type ApiToken, type NewApiToken, type TokenScope } from "../api/api_tokens";
 import { ApiProblem } from "../api/client";
 import { t } from "../texts";
@@ -136,6 +136,7 @@ interface CreateProps {
 
 function CreateToken({ coded, onDone }: CreateProps) {
   const made = useCreate(coded, onDone);
+  const scopesFault = useId();
   const text = t.apiTokens;
   return (
     <Form onSubmit={made.submit} busy={made.busy} label={text.create} {...fault(made.faults.form)}>
@@ -155,12 +156,17 @@ function CreateToken({ coded, onDone }: CreateProps) {
               type="checkbox"
               checked={made.scopes.includes(scope)}
               aria-invalid={made.faults.scopes ? true : undefined}
+              aria-describedby={made.faults.scopes ? scopesFault : undefined}
               onChange={(event) => made.choose(scope, event.currentTarget.checked)}
             />
             {text.scopes[scope]}
           </label>
         ))}
-        {made.faults.scopes ? <p class="field-fault">{made.faults.scopes}</p> : null}
+        {made.faults.scopes ? (
+          <p class="field-fault" id={scopesFault}>
+            {made.faults.scopes}
+          </p>
+        ) : null}
       </fieldset>
       <Choice label={text.life} value={made.days} onChoose={made.setDays} options={Object.entries(text.lives)} />
       <CurrentPassword value={made.password} onInput={made.setPassword} {...fault(made.faults.password)} />

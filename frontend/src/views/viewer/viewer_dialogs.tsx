@@ -57,7 +57,7 @@ function ExportOfPicture({ session, role, shot, close }: ExportOfPictureProps) {
   return (
     <ExportDialog
       session={session}
-      rendered={session.audience.value?.downloads ?? false}
+      rendered={session.audience.value?.downloads ?? !role.guest}
       guest={role.guest}
       busy={shot.state?.kind === "rendering"}
       onExport={(order) => {
