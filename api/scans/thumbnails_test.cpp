@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 class ThumbnailsTest : public DataSetFixture {
  protected:
   std::string path_of(const std::string& preset) const {
-    return "thumbnails/" + id + "/" + preset + ".6.jpg";
+    return "thumbnails/" + id + "/" + preset + ".7.jpg";
   }
   Refusal get(const std::string& preset = "bone") {
     return refusal(thumbnails.get(owner, id, preset));

@@ -225,7 +225,7 @@ def put_thumbnail(stack: TestStack, data_set_id: str) -> None:
     """Puts a thumbnail where the API keeps those that it rendered (api/scans/thumbnails.cpp)."""
     folder = stack.data_dir / "cache" / "thumbnails" / data_set_id
     folder.mkdir(parents=True, exist_ok=True)
-    file = folder / "bone.6.jpg"
+    file = folder / "bone.7.jpg"
     file.write_bytes(b"\xff\xd8\xff")
     for path in (file, folder, folder.parent):
         stack.stack.run_as.own(path)

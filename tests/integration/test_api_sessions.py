@@ -86,8 +86,8 @@ def test_a_cached_thumbnail_comes_from_the_edge(api, one, ready):  # noqa: F811
     folder = api.data_dir / "cache" / "thumbnails" / ready
     folder.mkdir(parents=True)
     picture = b"\xff\xd8\xff" + bytes(2000)
-    (folder / "bone.6.jpg").write_bytes(picture)
-    for path in (folder / "bone.6.jpg", folder, folder.parent):
+    (folder / "bone.7.jpg").write_bytes(picture)
+    for path in (folder / "bone.7.jpg", folder, folder.parent):
         api.stack.run_as.own(path)
     answer = one.http.get(f"/v1/data-sets/{ready}/thumbnails/bone")
     assert answer.status_code == 200 and answer.content == picture
