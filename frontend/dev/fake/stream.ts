@@ -107,12 +107,13 @@ const histogram = create(HistogramSchema, {
   ),
 });
 
-/** The owner, alone, who may use the slices. */
+/** The owner, alone, who may use the slices and save videos. */
 const audience = create(AudienceSchema, {
   you: "anna",
   participants: [{ id: "anna", owner: true, presenter: true }],
   presenter: "anna",
   slices: SliceAccess.WHOLE,
+  downloads: true,
 });
 /** Samples per pixel of a finished picture, and by which factor they grow. Few pictures, as each takes time to draw. */
 const finished = 64;
