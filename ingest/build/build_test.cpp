@@ -162,8 +162,10 @@ TEST(BuildVolume, HalvesMrValuesBeyondInt16AndReportsIt) {
   options.series.modality = "MR";
   options.series.bits_stored = 16;
   options.series.high_bit = 15;
-  options.series.intercept = -100;
-  options.change = [](int z, SeriesSpec&, SliceSpec& slice) {
+  options.change = [](int z, SeriesSpec& series, SliceSpec& slice) {
+    // Only the values of slices with different scales are converted, which can make them negative.
+    series.slope = 1;
+    series.intercept = z == 5 ? -101 : -100;
     for (std::size_t i = 0; i < slice.pixels.size(); i += 2) {
       const unsigned value = z == 3 && i == 0 ? 65535 : i == 4 ? 98 : 1000;
       slice.pixels[i] = static_cast<std::uint8_t>(value);
@@ -177,7 +179,7 @@ TEST(BuildVolume, HalvesMrValuesBeyondInt16AndReportsIt) {
     EXPECT_EQ(at(*v, 1, 0, z), 450) << "also in slices stored before the large value came";
     EXPECT_EQ(at(*v, 2, 0, z), -1) << "negative values stay negative";
   }
-  EXPECT_EQ(v->header.repairs.size(), 1u);
+  EXPECT_EQ(v->header.repairs.size(), 2u);
 }
 
 TEST(BuildVolume, BrokenCompressedSliceDoesNotChangeOtherSlices) {

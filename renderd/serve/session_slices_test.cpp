@@ -231,10 +231,10 @@ TEST_F(SessionSlicesTest, InvalidRequestIsRefusedAndTheSessionContinues) {
 /// A viewer who takes none has three in transit, and the others continue.
 TEST_F(SessionSlicesTest, StalledViewerHasThreeInFlightAndDelaysNobody) {
   const std::string session = new_id();
-  Viewer silent = attach(session);
-  Viewer other = attach(session, new_id());
-  silent.let_guests_see_slices(true);
-  silent.show_slices(true);
+  Viewer silent = attach(session), other;
+  v1::Open open = open_message(session, id, new_id());
+  open.set_slices(true);  // a guest whose link allows all slices
+  enter(other, open);
   for (std::uint32_t i = 0; i < 200; ++i) {
     v1::ClientMessage message;
     v1::SliceRequest::At& at = *message.mutable_slices()->add_slices();
