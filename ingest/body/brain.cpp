@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -35,6 +34,9 @@ double length(Vec a) { return std::sqrt(dot(a, a)); }
 constexpr double kHeight = 165;
 /// Volumes of a human brain with the fluid around it, from a newborn's to the largest, ml.
 constexpr double kSmallest = 300, kLargest = 2300;
+/// No MR of a head is finer, mm. Drawing the surface takes a time that grows with the inverse
+/// square of the finest spacing.
+constexpr double kFinest = 0.05;
 
 /// A volume whose places are mm along its own axes from the centre of voxel (0, 0, 0).
 class Scan {
@@ -132,13 +134,16 @@ struct Start {
 /// Returns the height of the top of the head: the highest level that shows 8 cm2 of matter.
 std::optional<double> top_of(const Scan& scan, double threshold) {
   constexpr double kLevel = 2, kArea = 800;
-  std::map<std::int64_t, double> area;
+  const double reach = length(scan.place(scan.size()));  // no place is higher or lower
+  const auto lowest = std::llround(-reach / kLevel);
+  std::vector<double> area(static_cast<std::size_t>(1 - 2 * lowest));
   scan.for_body([&](const Index& i, std::size_t voxel) {
     if (scan.value(voxel) <= threshold) return;
-    area[std::llround(scan.height(scan.place(i)) / kLevel)] += scan.voxel_mm3() / kLevel;
+    const auto level = std::llround(scan.height(scan.place(i)) / kLevel) - lowest;
+    area[static_cast<std::size_t>(level)] += scan.voxel_mm3() / kLevel;
   });
-  for (auto level = area.rbegin(); level != area.rend(); ++level) {
-    if (level->second >= kArea) return static_cast<double>(level->first) * kLevel;
+  for (std::size_t level = area.size(); level-- > 0;) {
+    if (area[level] >= kArea) return static_cast<double>(lowest + std::int64_t(level)) * kLevel;
   }
   return std::nullopt;
 }
@@ -410,8 +415,9 @@ bool plausible(const Scan& scan, const Start& start, const Mesh& mesh,
 bool mark_brain(const volume::Volume& volume, volume::Labels& labels) {
   const volume::Modality modality = volume.header.modality;
   if (modality == volume::Modality::kCt || modality == volume::Modality::kPt) return false;
-  if (labels.voxels.empty() || value_scale(volume).hounsfield) return false;
+  if (labels.voxels.empty() || is_hounsfield(volume.header)) return false;
   const Scan scan(volume, labels);
+  if (scan.least_spacing() < kFinest) return false;
   const auto start = start_of(scan);
   if (!start || 4 * std::numbers::pi / 3 * std::pow(start->radius, 3) < kSmallest * 1000) {
     return false;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "ingest/body/brain.h"
 #include "ingest/body/decide.h"
 
 namespace diaphane::ingest {
@@ -202,6 +203,12 @@ volume::Labels label_body(const volume::Volume& volume) {
   const Cells cells = make_cells(volume, scale.matter);
   const Decision decision = decide(volume, cells, scale);
   return Painter(volume, cells, scale, decision).paint();
+}
+
+std::string found_labels(const volume::Volume& volume) {
+  volume::Labels labels = label_body(volume);
+  mark_brain(volume, labels);
+  return volume::encode(labels);
 }
 
 }  // namespace diaphane::ingest

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "volume/labels.h"
 #include "volume/volume.h"
 
@@ -10,5 +12,8 @@ namespace diaphane::ingest {
 /// mm into the air around it, so that a renderer that hides all other voxels leaves the skin
 /// untouched. A PET scan is entirely body. Precondition: the volume is measured (volume::measure).
 volume::Labels label_body(const volume::Volume& volume);
+
+/// Returns all labels that a stored scan gets, encoded: those of label_body() and mark_brain().
+std::string found_labels(const volume::Volume& volume);
 
 }  // namespace diaphane::ingest

@@ -76,13 +76,15 @@ Background background_below(const Histogram& histogram, double limit) {
 
 }  // namespace
 
-ValueScale value_scale(const volume::Volume& volume) {
-  const volume::Header& header = volume.header;
+bool is_hounsfield(const volume::Header& header) {
   const bool may_be_ct =
       header.modality == volume::Modality::kCt || header.modality == volume::Modality::kOther;
-  if (may_be_ct && header.minimum <= kAirHu && header.maximum > kSkinHu) {
-    return {true, true, false, kSkinHu, kFoamHu};
-  }
+  return may_be_ct && header.minimum <= kAirHu && header.maximum > kSkinHu;
+}
+
+ValueScale value_scale(const volume::Volume& volume) {
+  const volume::Header& header = volume.header;
+  if (is_hounsfield(header)) return {true, true, false, kSkinHu, kFoamHu};
   const Histogram histogram = histogram_of(volume.voxels);
   const double middle = otsu(histogram);
   const Background air = background_below(histogram, middle);

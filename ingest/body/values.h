@@ -13,6 +13,9 @@ struct ValueScale {
   int foam = 0;             ///< minimum mean value of a cell of foam; only for Hounsfield units
 };
 
+/// Returns whether the values are Hounsfield units, as far as the header shows.
+bool is_hounsfield(const volume::Header& header);
+
 ValueScale value_scale(const volume::Volume& volume);
 
 }  // namespace diaphane::ingest

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "common/sandbox/supervisor.h"
-#include "ingest/body/brain.h"
 #include "ingest/body/label_body.h"
 #include "ingest/build/build_volume.h"
 #include "ingest/build/nifti.h"
@@ -44,9 +43,7 @@ int write_output(std::string_view bytes) {
 }
 
 int write_output(const volume::Volume& volume) {
-  volume::Labels found = label_body(volume);
-  mark_brain(volume, found);
-  const std::string labels = volume::encode(found);
+  const std::string labels = found_labels(volume);
   const int exit_code =
       write_output(std::string_view(reinterpret_cast<const char*>(volume.voxels.data()),
                                     volume.voxels.size() * sizeof(std::int16_t)));

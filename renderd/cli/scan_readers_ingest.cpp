@@ -1,12 +1,10 @@
 // Uses the readers of ingestd, so that both programs accept the same scans and show the same
 // volumes.
-#include "ingest/body/brain.h"
 #include "ingest/body/label_body.h"
 #include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
 #include "ingest/labels/read_labels.h"
 #include "renderd/cli/scan_readers.h"
-#include "volume/labels.h"
 
 namespace diaphane::render::cli {
 
@@ -26,10 +24,6 @@ Result<volume::LabelSet> read_label_file(const std::string& path, const volume::
   return ingest::read_label_file(path, scan);
 }
 
-void add_labels(volume::Volume& volume) {
-  volume::Labels found = ingest::label_body(volume);
-  ingest::mark_brain(volume, found);
-  volume.labels = volume::encode(found);
-}
+void add_labels(volume::Volume& volume) { volume.labels = ingest::found_labels(volume); }
 
 }  // namespace diaphane::render::cli
