@@ -20,14 +20,15 @@ std::optional<BrainFacts> brain_of(const volume::Volume& volume) {
   const auto labels = volume::decode(volume.labels, header.size);
   if (!labels) return std::nullopt;
   std::vector<std::int16_t> values;
-  std::array<std::uint32_t, 3> low = header.size, high{};
+  std::array<double, 3> low{}, high{};
+  std::copy(header.size.begin(), header.size.end(), low.begin());
   std::size_t voxel = 0;
   for (std::uint32_t z = 0; z < header.size[2]; ++z) {
     for (std::uint32_t y = 0; y < header.size[1]; ++y) {
       for (std::uint32_t x = 0; x < header.size[0]; ++x, ++voxel) {
         if (labels->voxels[voxel] != static_cast<std::uint8_t>(volume::Label::kBrain)) continue;
         values.push_back(volume.voxels[voxel]);
-        const std::array<std::uint32_t, 3> at{x, y, z};
+        const std::array<double, 3> at{double(x), double(y), double(z)};
         for (std::size_t axis = 0; axis < 3; ++axis) {
           low[axis] = std::min(low[axis], at[axis]);
           high[axis] = std::max(high[axis], at[axis] + 1);
@@ -37,17 +38,7 @@ std::optional<BrainFacts> brain_of(const volume::Volume& volume) {
   }
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  BrainFacts facts;
-  facts.value = *middle;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double from = low[axis], to = high[axis], size = header.size[axis];
-    facts.framing.half_width[axis] = 0.5 * (to - from) * header.spacing[axis];
-    const double shift = 0.5 * (from + to - size) * header.spacing[axis];
-    for (std::size_t i = 0; i < 3; ++i) {
-      facts.framing.centre[i] += header.direction[3 * i + axis] * shift;
-    }
-  }
-  return facts;
+  return BrainFacts{static_cast<double>(*middle), box_framing(header, low, high)};
 }
 
 }  // namespace diaphane::render

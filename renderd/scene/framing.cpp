@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -47,6 +48,17 @@ Framing whole_box(const volume::Header& header) {
   return framing;
 }
 
+Framing box_framing(const volume::Header& header, const std::array<double, 3>& low,
+                    const std::array<double, 3>& high) {
+  Framing framing;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    framing.half_width[axis] = 0.5 * (high[axis] - low[axis]) * header.spacing[axis];
+    const double shift = 0.5 * (low[axis] + high[axis] - header.size[axis]) * header.spacing[axis];
+    for (std::size_t i = 0; i < 3; ++i) framing.centre[i] += header.direction[3 * i + axis] * shift;
+  }
+  return framing;
+}
+
 Framing visible_part(const volume::Volume& volume) {
   const volume::Header& header = volume.header;
   std::array<std::vector<std::uint64_t>, 3> counts;
@@ -65,15 +77,12 @@ Framing visible_part(const volume::Volume& volume) {
       }
     }
   }
-  Framing framing = whole_box(header);
-  if (all < kNextToNone) return framing;
+  if (all < kNextToNone) return whole_box(header);
+  std::array<double, 3> low{}, high{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [low, high] = range(counts[axis], all);
-    framing.half_width[axis] = 0.5 * (high - low) * header.spacing[axis];
-    const double shift = 0.5 * (low + high - header.size[axis]) * header.spacing[axis];
-    for (std::size_t i = 0; i < 3; ++i) framing.centre[i] += header.direction[3 * i + axis] * shift;
+    std::tie(low[axis], high[axis]) = range(counts[axis], all);
   }
-  return framing;
+  return box_framing(header, low, high);
 }
 
 }  // namespace diaphane::render
