@@ -11,6 +11,9 @@ from typing import Mapping
 from .layout import Layout
 
 POSTGRES_BIN = Path("/usr/lib/postgresql/15/bin")
+# Much longer than other programs, because Postgres syncs what it wrote before it ends, which takes many seconds on a busy disk,
+# and after a kill the next start has to recover.
+POSTGRES_STOP_SECONDS = 20.0
 
 #: Folders of a data directory (docs/contracts.md), besides `postgres`, which initdb creates. `secrets` has mode 0700.
 FOLDERS = ("redis", "uploads", "volumes", "cache", "legal", "mail", "scratch", "run", "logs", "secrets")
@@ -39,7 +42,7 @@ class Program:
     tier: int                       # started in ascending order, stopped in descending order
     env: Mapping[str, str] = field(default_factory=dict)
     stop_signal: int = signal.SIGTERM
-    stop_seconds: float = 2.8       # killed afterwards; the sum over the tiers must stay below 5 s
+    stop_seconds: float = 2.8       # killed afterwards; the sum over the tiers without Postgres must stay below 5 s
     requires: tuple[Path, ...] = () # files that must exist before it can start
     nice: int = 0                   # lower CPU priority, so that rendering comes first on few cores
     cores: int = 0                  # runs on that many of the cores; 0: on all
@@ -118,7 +121,8 @@ def _postgres(s: Settings) -> Program:
     return Program(
         name="postgres", argv=tuple(argv), env=_inherited(s), port=s.ports["postgres"], tier=0,
         ready=Ready("postgres", s.ports["postgres"]), requires=(POSTGRES_BIN / "postgres",),
-        stop_signal=signal.SIGINT, stop_seconds=1.3,   # "fast" shutdown: ends its sessions and loses nothing
+        stop_signal=signal.SIGINT,   # "fast" shutdown: ends its sessions and loses nothing
+        stop_seconds=POSTGRES_STOP_SECONDS,
         nice=10)
 
 

@@ -122,7 +122,9 @@ class Stack:
         self._record()
 
     def stop(self) -> None:
-        """Stops all programs within 5 s, the edge first and the stores last. May be called at any time and repeatedly."""
+        """Stops all programs, the edge first and the stores last. May be called at any time and repeatedly.
+
+        This takes at most 5 s, except on a disk that is too busy to sync what Postgres wrote."""
         self.serving = False
         self.stopping_.set()
         if self.watcher_ and self.watcher_ is not threading.current_thread():

@@ -13,9 +13,10 @@ from pathlib import Path
 from . import datadir, gpu, layout, ports, prepare, users
 from .processes import Identity, end, wait_gone
 from .console import CliError, say, step, warn
+from .plan import POSTGRES_STOP_SECONDS
 from .stack import Stack
 
-STOP_SECONDS = 6.0
+STOP_SECONDS = 5.0 + POSTGRES_STOP_SECONDS
 
 
 @dataclass(frozen=True)
