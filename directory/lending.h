@@ -26,22 +26,35 @@ struct Helper {
   std::string id;
   double expected = 0;  ///< expected share of its device when it was asked
   double since = 0;     ///< seconds since it was asked
+  /// Whether it helps only with time that nothing else needs. It yields to its own sessions and to
+  /// workers that need its help.
+  bool spare = false;
 };
 
 /// State of one worker between two calls, one second apart.
 struct Lending {
   std::vector<Helper> helpers;
-  double calm = 0;  ///< seconds since its own device was sufficient
+  double calm = 0;   ///< seconds since its own device was not sufficient
+  double still = 0;  ///< seconds since its own sessions rendered
 };
 
 struct LendingRules {
   std::size_t most = 3;  ///< maximum number of helpers
+  /// Maximum number of helpers while its device is sufficient. They make a picture finish sooner
+  /// with time that nobody else needs.
+  std::size_t most_spare = 0;
   /// A worker borrows if its demand exceeds `borrows`. Once the demand has been below `enough` for
   /// `rest` seconds, it releases all helpers.
   double borrows = 1.05, enough = 0.85, rest = 3;
   /// Load limits of a peer's device, from 0 to 1. A peer above `idle` in total is not asked, and a
   /// helper is released if its own sessions reach `busy`.
   double idle = 0.7, busy = 0.9;
+  /// The same for spare time. A helper with spare time costs little while it waits, and loading the
+  /// volume takes longer than most pictures, so it is kept for `lingers` seconds after the last
+  /// picture.
+  double spare_idle = 0.3, spare_busy = 0.5, lingers = 30;
+  /// A device whose own sessions ask for less renders nothing that anyone waits for.
+  double renders = 0.02;
   double oldest = kHeartbeatMs / 1000.0;  ///< maximum age of a sample in seconds
   /// A helper that was asked less than this long ago may still be loading the volume. Until then,
   /// its expected share counts as delivered.
@@ -58,7 +71,8 @@ struct LendingInput {
 
 /// Returns the new set of helpers: the previous ones without those that are busy, draining or gone,
 /// plus new ones if the demand exceeds the supply. Each new helper is the better of two random
-/// peers, so that many workers do not ask the same one.
+/// peers, so that many workers do not ask the same one. Helpers with spare time are the first to be
+/// asked for more. While the sessions render, idle peers are asked for their spare time.
 Lending lend(Lending before, const LendingInput& input, const LendingRules& rules,
              std::uint64_t seed);
 

@@ -132,10 +132,22 @@ TEST(Lending, SpreadsConcurrentBorrowersOverNeighbours) {
   EXPECT_LT(most, 145);
 }
 
+LendingRules with_spare(std::size_t most) {
+  LendingRules rules;
+  rules.most = rules.most_spare = most;
+  return rules;
+}
+
+std::size_t count_spare(const Lending& lending) {
+  return static_cast<std::size_t>(std::count_if(lending.helpers.begin(), lending.helpers.end(),
+                                                [](const Helper& one) { return one.spare; }));
+}
+
 TEST(Lending, HelpersAreAlwaysFewDistinctAndEligible) {
   std::mt19937 random(7);
   const auto unit = [&] { return std::uniform_real_distribution<double>()(random); };
-  for (int world = 0; world < 300; ++world) {
+  for (int world = 0; world < 600; ++world) {
+    const LendingRules rules = world % 2 == 0 ? kRules : with_spare(5);
     Lending lending;
     for (int second = 0; second < 30; ++second) {
       LendingInput input = asked(3 * unit(), {});
@@ -149,24 +161,90 @@ TEST(Lending, HelpersAreAlwaysFewDistinctAndEligible) {
         one.same_node = unit() < 0.5;
         input.peers.push_back(one);
       }
-      const std::vector<std::string> before = ids(lending);
-      lending = lend(std::move(lending), input, kRules, random());
+      const Lending before = lending;
+      lending = lend(std::move(lending), input, rules, random());
       const std::vector<std::string> after = ids(lending);
-      ASSERT_LE(after.size(), kRules.most);
+      std::map<std::string, bool> was_spare;
+      for (const Helper& helper : before.helpers) was_spare[helper.id] = helper.spare;
+      ASSERT_LE(after.size(), rules.most);
       ASSERT_EQ(std::set<std::string>(after.begin(), after.end()).size(), after.size());
-      for (const std::string& id : after) {
+      for (const Helper& helper : lending.helpers) {
+        const std::string& id = helper.id;
         const auto known = std::find_if(input.peers.begin(), input.peers.end(),
                                         [&](const PeerLoad& one) { return one.id == id; });
         ASSERT_NE(known, input.peers.end());
         ASSERT_FALSE(known->draining);
-        ASSERT_LE(known->age, kRules.oldest);
-        ASSERT_LT(known->load, kRules.busy);
-        if (std::count(before.begin(), before.end(), id) > 0) continue;
-        ASSERT_LE(known->load + known->lent, kRules.idle);
-        ASSERT_GE(input.asked, kRules.borrows);
+        ASSERT_LE(known->age, rules.oldest);
+        ASSERT_LT(known->load, helper.spare ? rules.spare_busy : rules.busy);
+        const auto was = was_spare.find(id);
+        if (helper.spare) {
+          if (was != was_spare.end()) continue;
+          ASSERT_LE(known->load + known->lent, rules.spare_idle);
+          ASSERT_GE(input.asked, rules.renders);
+        } else if (was == was_spare.end() || was->second) {
+          ASSERT_LE(known->load + known->lent, rules.idle);
+          ASSERT_GE(input.asked, rules.borrows);
+        }
       }
     }
   }
+}
+
+TEST(Lending, AsksIdlePeersForSpareTimeWhileItsSessionsRender) {
+  PeerLoad draining = peer("draining", 0);
+  draining.draining = true;
+  const std::vector<PeerLoad> peers{peer("a", 0), peer("b", 0.2), peer("busy", 0.4),
+                                    peer("lends", 0.1, 0.6), draining};
+  for (const double demand : {0.1, 0.9, 1.0}) {
+    const Lending made = lend({}, asked(demand, peers), with_spare(7), 1);
+    const auto all = ids(made);
+    EXPECT_EQ(std::set(all.begin(), all.end()), (std::set<std::string>{"a", "b"})) << demand;
+    EXPECT_EQ(count_spare(made), 2u) << demand;
+    EXPECT_EQ(lend({}, asked(demand, peers), with_spare(1), 1).helpers.size(), 1u) << demand;
+  }
+  EXPECT_TRUE(lend({}, asked(0.01, peers), with_spare(7), 1).helpers.empty());
+}
+
+TEST(Lending, KeepsSpareTimeForAWhileBetweenPictures) {
+  const LendingRules rules = with_spare(7);
+  const std::vector<PeerLoad> peers{peer("a", 0)};
+  Lending lending;
+  for (int second = 0; second < 100; ++second) {
+    lending = lend(std::move(lending), asked(second % 25 == 0 ? 0.5 : 0, peers), rules, 1);
+    ASSERT_EQ(lending.helpers.size(), 1u) << second;
+  }
+  for (int second = 0; second < 30; ++second) {
+    lending = lend(std::move(lending), asked(0, peers), rules, 1);
+  }
+  EXPECT_TRUE(lending.helpers.empty());
+}
+
+TEST(Lending, ReturnsSpareTimeOfAPeerWithSessionsOfItsOwn) {
+  const LendingRules rules = with_spare(7);
+  const Lending lending = lend({}, asked(1, {peer("a", 0)}), rules, 1);
+  EXPECT_EQ(lend(lending, asked(1, {peer("a", 0.4)}), rules, 1).helpers.size(), 1u);
+  EXPECT_TRUE(lend(lending, asked(1, {peer("a", 0.6)}), rules, 1).helpers.empty());
+  // It may help others who need it.
+  EXPECT_EQ(lend(lending, asked(1, {peer("a", 0, 1)}), rules, 1).helpers.size(), 1u);
+}
+
+TEST(Lending, PromotesSpareTimeDuringOverloadAndDemotesItAfterwards) {
+  const LendingRules rules = with_spare(3);
+  const std::vector<PeerLoad> peers{peer("a", 0), peer("b", 0), peer("c", 0)};
+  Lending lending = lend({}, asked(1, peers), rules, 1);
+  ASSERT_EQ(count_spare(lending), 3u);
+  lending = lend(std::move(lending), asked(1.9, peers), rules, 1);
+  EXPECT_EQ(lending.helpers.size(), 3u);
+  EXPECT_EQ(count_spare(lending), 2u) << "one idle device is enough";
+  const std::vector<PeerLoad> helps{peer("a", 0, 0.6), peer("b", 0), peer("c", 0)};
+  for (int second = 1; second <= 3; ++second) {
+    ASSERT_EQ(count_spare(lending), 2u) << second;
+    lending = lend(std::move(lending), asked(1, helps), rules, 1);
+  }
+  EXPECT_EQ(count_spare(lending), 3u) << "the device is sufficient again";
+  // A peer that has begun to help others with all it has is not promoted.
+  const std::vector<PeerLoad> taken{peer("a", 0, 1), peer("b", 0, 1), peer("c", 0, 1)};
+  EXPECT_EQ(count_spare(lend(lending, asked(3, taken), rules, 1)), 3u);
 }
 
 TEST(Lending, BorrowsNothingWhenDisabled) {

@@ -252,9 +252,10 @@ CapacityBroker::Options broker_options(const Parts& parts, const std::string& in
   lending.address = parts.settings.advertise;
   lending.node = parts.settings.node;
   lending.owner = parts.settings.owner;
-  lending.rules.most = parts.settings.lend;
+  lending.rules.most = lending.rules.most_spare = parts.settings.lend;
   lending.busy_seconds = [&] { return worker.homes().busy_seconds(); };
   lending.lent_seconds = [&] { return worker.assists().lent_seconds(); };
+  lending.spare_seconds = [&] { return worker.assists().spare_seconds(); };
   lending.waiting = [&] { return worker.homes().waiting(); };
   lending.volumes = [&] { return worker.volumes().loaded(); };
   lending.updated = [&](std::size_t borrowed) {

@@ -31,8 +31,11 @@ void LendingModel::decide(const std::vector<Device>& devices) {
       lendings_[i] = {};
       continue;
     }
-    // A device whose own time suffices and that has no helpers asks none.
-    if (devices[i].wants < rules_.borrows && lendings_[i].helpers.empty()) continue;
+    // A device whose own time suffices and that has no helpers asks none, unless it may have spare
+    // time.
+    const bool needs = devices[i].wants >= rules_.borrows;
+    const bool takes = rules_.most_spare > 0 && devices[i].wants >= rules_.renders;
+    if (!needs && !takes && lendings_[i].helpers.empty()) continue;
     input.asked = devices[i].wants;
     input.helped = helped_[i];
     input.peers.clear();
@@ -64,7 +67,7 @@ void LendingModel::share_out(const std::vector<Device>& devices) {
     lacks[i] = std::max(0.0, devices[i].wants - 1) / of_use;
     left[i] = std::max(0.0, 1 - devices[i].wants);
     for (const Helper& helper : lendings_[i].helpers) {
-      if (helper.since >= costs_.load_seconds) links.push_back({number(helper.id), i});
+      if (!helper.spare && helper.since >= costs_.load_seconds) links.push_back({number(helper.id), i});
     }
   }
   std::vector<double> taken(devices.size());
@@ -99,6 +102,27 @@ void LendingModel::share_out(const std::vector<Device>& devices) {
     loads_[i] = devices[i].wants - taken[i] * of_use + given[i];
     lent_ += given[i];
   }
+  share_out_spare(devices, left);
+}
+
+void LendingModel::share_out_spare(const std::vector<Device>& devices,
+                                   const std::vector<double>& left) {
+  const auto takes = [&](std::size_t device, const Helper& helper) {
+    return helper.spare && helper.since >= costs_.load_seconds && devices[device].wants > 0;
+  };
+  std::vector<int> takers(devices.size());
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    for (const Helper& helper : lendings_[i].helpers) {
+      takers[number(helper.id)] += takes(i, helper);
+    }
+  }
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    spare_[i].clear();
+    for (const Helper& helper : lendings_[i].helpers) {
+      if (!takes(i, helper)) continue;
+      spare_[i].push_back(left[number(helper.id)] / takers[number(helper.id)]);
+    }
+  }
 }
 
 void LendingModel::step(const std::vector<Device>& devices) {
@@ -106,6 +130,7 @@ void LendingModel::step(const std::vector<Device>& devices) {
   said_.resize(devices.size());
   helped_.resize(devices.size());
   loads_.resize(devices.size());
+  spare_.resize(devices.size());
   decide(devices);
   share_out(devices);
 }

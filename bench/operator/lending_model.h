@@ -41,6 +41,8 @@ class LendingModel {
   /// Returns the load of a device after lending: its own sessions, less what others render for
   /// them, plus its peers' sessions and the cost of helping.
   double load(std::size_t device) const { return loads_[device]; }
+  /// Returns the shares of its helpers' devices that a device gets because nothing else needs them.
+  const std::vector<double>& spare(std::size_t device) const { return spare_[device]; }
   double lent() const { return lent_; }  ///< sum over all devices, as a number of devices
   std::size_t helpers() const { return helpers_; }
   std::size_t begun() const { return begun_; }  ///< helpers engaged in this step
@@ -52,6 +54,7 @@ class LendingModel {
 
   void decide(const std::vector<Device>& devices);
   void share_out(const std::vector<Device>& devices);
+  void share_out_spare(const std::vector<Device>& devices, const std::vector<double>& left);
   PeerLoad observed(const Device& device, std::size_t number) const;
 
   const LendingRules rules_;
@@ -61,6 +64,7 @@ class LendingModel {
   std::vector<Said> said_;
   std::vector<double> helped_;  ///< work that helpers did in the previous step
   std::vector<double> loads_;
+  std::vector<std::vector<double>> spare_;
   double lent_ = 0;
   std::size_t helpers_ = 0, begun_ = 0;
 };

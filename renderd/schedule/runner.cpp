@@ -229,6 +229,8 @@ std::vector<SessionView> Runner::refresh_views() {
   std::size_t moving = 0;
   std::size_t waiting = 0;
   double error = 0;
+  bool urgent = !stills_.empty();
+  std::vector<std::size_t> spare;  // indices in `views`
   for (const auto& entry : entries_) {
     if (entry->gone) continue;
     Ledger& ledger = entry->ledger;
@@ -252,9 +254,14 @@ std::vector<SessionView> Runner::refresh_views() {
     entry->last_view.visitor = entry->client->of_visitor();
     if (entry->moving) ++moving;
     if (gains(entry->last_view) && !entry->client->of_another_worker()) ++waiting;
+    if (gains(entry->last_view) && !entry->client->with_spare_time()) urgent = true;
     // A session without a first picture has an infinite error; it counts as 1.
     if (entry->last_view.visible) error += std::min(1.0, entry->last_view.error);
     views.push_back(entry->last_view);
+    if (entry->client->with_spare_time()) spare.push_back(views.size() - 1);
+  }
+  if (urgent) {
+    for (const std::size_t view : spare) views[view].visible = false;
   }
   error_ = error;
   moving_ = moving;

@@ -71,6 +71,34 @@ TEST_F(RunnerTest, HiddenSessionUsesNoTime) {
   EXPECT_TRUE(eventually([&] { return device->last_eye_x == 2; }));
 }
 
+TEST_F(RunnerTest, SpareTimeIsUsedOnlyWhileNoOtherImageGains) {
+  Runner endless(std::make_unique<MarginalGain>(), clock,
+                 Runner::Options{.rules = {1e-6, 4, 1 << 20}});
+  device->seconds_per_megapixel = 0.1;
+  const auto own = std::make_shared<TestClient>(clock);
+  const auto spare = std::make_shared<TestClient>(clock);
+  spare->spare = true;
+  endless.add(own, std::make_unique<FakeRenderer>(device, nullptr), 1);
+  ASSERT_TRUE(eventually([&] { return own->samples > 4; }));
+  endless.add(spare, std::make_unique<FakeRenderer>(device, nullptr), 1000);
+  const auto own_continues = [&] {
+    const std::uint64_t samples = own->samples;
+    return eventually([&] { return own->samples > samples + 100; });
+  };
+  ASSERT_TRUE(own_continues());
+  EXPECT_EQ(spare->samples, 0U);
+  own->show(false);
+  endless.wake();
+  ASSERT_TRUE(eventually([&] { return spare->samples > 10; }));
+  own->show(true);
+  endless.wake();
+  ASSERT_TRUE(own_continues());  // quanta in flight end meanwhile
+  const std::uint64_t samples = spare->samples;
+  ASSERT_TRUE(own_continues());
+  EXPECT_EQ(spare->samples, samples);
+  endless.stop();
+}
+
 TEST_F(RunnerTest, ImagesCarryTheirInputAndRisingEpochs) {
   const auto one = viewer();
   ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));

@@ -1,7 +1,9 @@
 #include "renderd/serve/assist_session.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "common/ids.h"
 #include "common/try.h"
@@ -41,17 +43,32 @@ Result<AssistTask> task_of(const v1::AssistTask& message) {
   return task;
 }
 
+auto too_many() {
+  return fail(ErrorCode::kTooMany, "This worker already assists the maximum number of workers.");
+}
+
 }  // namespace
 
 Result<std::shared_ptr<AssistHost::Session>> AssistHost::open(std::shared_ptr<AssistLink> link) {
   const std::lock_guard lock(mutex_);
   if (refusing_) return fail(ErrorCode::kUnavailable, "This worker is shutting down.");
-  if (sessions_.size() >= options_.most) {
-    return fail(ErrorCode::kTooMany, "This worker already assists the maximum number of workers.");
-  }
+  // Twice as many, because some may be about to end for those that need more than spare time.
+  if (sessions_.size() >= 2 * options_.most) return too_many();
   auto session = std::make_shared<Session>(*this, std::move(link));
   sessions_.insert(session);
   return session;
+}
+
+Result<void> AssistHost::admit(bool spare) {
+  // Sessions count from their connection on.
+  if (used() <= options_.most) {
+    if (spare && volumes_.bytes() > options_.spare_bytes) {
+      return fail(ErrorCode::kTooMany, "This worker has no memory to spare.");
+    }
+    return {};
+  }
+  if (!spare && end_spare() && used() <= options_.most) return {};
+  return too_many();
 }
 
 void AssistHost::forget(const std::shared_ptr<Session>& session) {
@@ -69,6 +86,19 @@ void AssistHost::end_all() {
   for (const auto& session : ending) {
     session->end({ErrorCode::kUnavailable, "This worker is shutting down.", {}});
   }
+}
+
+bool AssistHost::end_spare() {
+  std::vector<std::shared_ptr<Session>> ending;
+  {
+    const std::lock_guard lock(mutex_);
+    std::copy_if(sessions_.begin(), sessions_.end(), std::back_inserter(ending),
+                 [](const auto& session) { return session->with_spare_time(); });
+  }
+  for (const auto& session : ending) {
+    session->end({ErrorCode::kUnavailable, "This worker needs its memory.", {}});
+  }
+  return !ending.empty();
 }
 
 std::size_t AssistHost::used() const {
@@ -103,6 +133,8 @@ Result<void> AssistHost::Session::open(const v1::AssistOpen& open) {
   }
   if (!is_id(open.volume_id()))
     return fail(ErrorCode::kInvalid, "The volume ID is missing or invalid.", "volume_id");
+  DIAPHANE_TRY(host_.admit(open.spare()));
+  spare_ = open.spare();
   host_.volumes_.get({open.volume_id(), open.with_table()},
                      [self = shared_from_this(), open](Result<VolumeCache::Handle> volume) {
                        self->volume_ready(open, std::move(volume));

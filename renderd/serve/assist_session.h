@@ -26,6 +26,9 @@ class AssistHost {
  public:
   struct Options {
     std::size_t most = 16;  ///< concurrent sessions
+    /// Loaded volumes may have this many bytes when a session with spare time opens, so that it
+    /// takes no memory that this worker's own sessions are likely to need.
+    std::uint64_t spare_bytes = 0;
   };
 
   AssistHost(Options options, Homes& homes, VolumeCache& volumes)
@@ -39,9 +42,17 @@ class AssistHost {
   std::size_t used() const;
   /// Returns the device time spent on other workers' pictures since the start.
   double lent_seconds() const { return lent_seconds_; }
+  /// Returns the part of lent_seconds() that nothing else needed.
+  double spare_seconds() const { return spare_seconds_; }
+  /// Ends the sessions with spare time, so that their volumes can be dropped. Returns whether there
+  /// were any.
+  bool end_spare();
 
  private:
   void forget(const std::shared_ptr<Session>& session);
+  /// Decides whether a session that has connected may begin. One that is needed ends those with
+  /// spare time if there is no room for it.
+  Result<void> admit(bool spare);
 
   const Options options_;
   Homes& homes_;
@@ -49,7 +60,7 @@ class AssistHost {
   mutable std::mutex mutex_;
   std::set<std::shared_ptr<Session>> sessions_;
   bool refusing_ = false;
-  std::atomic<double> lent_seconds_{0};
+  std::atomic<double> lent_seconds_{0}, spare_seconds_{0};
 };
 
 class AssistHost::Session final : public RenderClient,
@@ -66,12 +77,14 @@ class AssistHost::Session final : public RenderClient,
 
   // Implementation of RenderClient:
   bool of_another_worker() const override { return true; }
+  bool with_spare_time() const override { return spare_; }
   ViewRequest requested() override;
   std::uint64_t version() const noexcept override { return version_; }
   void began(std::uint64_t, const ViewRequest&) override {}
   void refused(const ViewRequest&, const Error&) override {}
   void rendered(const Batch& batch) override {
     host_.lent_seconds_ += batch.seconds;
+    if (spare_) host_.spare_seconds_ += batch.seconds;
     send_part();
   }
   void picture(RenderedPicture) override { send_part(); }
@@ -90,6 +103,7 @@ class AssistHost::Session final : public RenderClient,
   std::mutex mutex_;
   std::shared_ptr<AssistLink> link_;  ///< null: closed
   bool opened_ = false;
+  std::atomic<bool> spare_{false};
   std::uint64_t handle_ = 0;  ///< handle in the runner; 0: not added yet
 };
 

@@ -176,7 +176,7 @@ TEST_F(Assist, BorrowedHelperJoinsDuringRenderingAndLeavesWhenReturned) {
     ASSERT_TRUE(until([&] { return renderer_->progress().samples >= 8; }));
     EXPECT_EQ(report().assistants, 0u);
 
-    source_->borrow({first.address()});
+    source_->borrow({{first.address()}});
     ASSERT_TRUE(until([&] { return report().assistants == 1 && report().parts >= 2; }));
     EXPECT_GT(source_->helped_seconds(), 0);
     EXPECT_GT(first.worker->assists().lent_seconds(), 0);
@@ -189,7 +189,7 @@ TEST_F(Assist, BorrowedHelperJoinsDuringRenderingAndLeavesWhenReturned) {
         << "the picture continues";
     EXPECT_EQ(report().assistants, 0u);
 
-    source_->borrow({second.address()});
+    source_->borrow({{second.address()}});
     const auto parts = report().parts;
     ASSERT_TRUE(until([&] { return report().parts >= parts + 2; })) << "another in its place";
     EXPECT_EQ(first.worker->assists().used(), 0u);
@@ -208,7 +208,7 @@ TEST_F(Assist, ReportsAndStopsAskingUnavailableHelpers) {
   const ClaimedPort claimed = ClaimedPort::take().value();
   const std::string nobody = "127.0.0.1:" + std::to_string(claimed.number());
   for (const std::string& refuses : {without.address(), nobody}) {
-    source_->borrow({refuses, with.address()});
+    source_->borrow({{refuses}, {with.address()}});
     EXPECT_TRUE(until([&] { return source_->refusing() == std::vector{refuses}; })) << refuses;
     ASSERT_TRUE(until([&] { return report().assistants == 1; })) << "the other helps";
     EXPECT_TRUE(eventually([&] { return without.worker->assists().used() == 0; }));
@@ -220,7 +220,7 @@ TEST_F(Assist, ReportsAndStopsAskingUnavailableHelpers) {
 TEST_F(Assist, HelperAssistsAsManyImagesAsFit) {
   start(0, {.division = Division::kAverage}, 1);
   Helper helper(store_.path);  // for at most two pictures
-  source_->borrow({helper.address()});
+  source_->borrow({{helper.address()}});
   std::vector<std::unique_ptr<FrameRenderer>> more;
   for (int i = 0; i < 2; ++i) {
     more.push_back(*engine_->renderer(loaded_, 6, 0, kSharedMethod));
@@ -244,6 +244,66 @@ TEST_F(Assist, HelperAssistsAsManyImagesAsFit) {
     return steady_clock::now() - begun > 2500ms;
   }));
   EXPECT_EQ(helper.worker->assists().used(), 2u);
+}
+
+TEST_F(Assist, SpareTimeGivesWayToOthersAndToMemory) {
+  start(0, {.division = Division::kAverage}, 2);
+  Helper helper(store_.path);  // for at most two pictures
+  source_->borrow({{helper.address(), true}});
+  AssistHost& assists = helper.worker->assists();
+  ASSERT_TRUE(until([&] { return report().parts >= 2; }));
+  EXPECT_GT(assists.spare_seconds(), 0);
+  EXPECT_EQ(assists.spare_seconds(), assists.lent_seconds());
+  EXPECT_EQ(assists.used(), 1u);
+  EXPECT_TRUE(assists.end_spare());
+  EXPECT_FALSE(assists.end_spare());
+  ASSERT_TRUE(until([&] { return assists.used() == 1; })) << "it returns";
+
+  // The same worker is needed now.
+  source_->borrow({{helper.address()}});
+  const double spare = assists.spare_seconds();
+  const double lent = assists.lent_seconds();
+  ASSERT_TRUE(until([&] { return assists.lent_seconds() > lent + 0.01; }));
+  EXPECT_LE(assists.spare_seconds(), spare + 0.5 * (assists.lent_seconds() - lent));
+  EXPECT_FALSE(assists.end_spare());
+  EXPECT_EQ(source_->borrowed(), std::vector{helper.address()});
+}
+
+TEST_F(Assist, NeededPicturesEndThoseWithSpareTime) {
+  start(0, {.division = Division::kAverage}, 1);
+  Helper helper(store_.path);  // for at most two pictures
+  GrpcAssistants needed({}, {}, 1);
+  std::vector<std::unique_ptr<Engine>> devices;
+  devices.push_back(make_cpu_engine(1));
+  const auto other = make_composite_engine(std::move(devices), &needed, {});
+  std::vector<std::unique_ptr<FrameRenderer>> more;
+  for (Engine* engine : {engine_.get(), static_cast<Engine*>(other.get()),
+                         static_cast<Engine*>(other.get())}) {
+    more.push_back(*engine->renderer(loaded_, 6, 0, kSharedMethod));
+    ASSERT_TRUE(more.back()->set_scene(scene_, kCanvas));
+  }
+  const auto step = [&] {
+    for (const auto& one : more) {
+      EXPECT_TRUE(one->render(2, [] { return false; }));
+      (void)one->progress();
+    }
+  };
+  AssistHost& assists = helper.worker->assists();
+  source_->borrow({{helper.address(), true}});
+  ASSERT_TRUE(until([&] {
+    step();
+    return assists.used() == 2;
+  }));
+  needed.borrow({{helper.address()}});
+  const auto helped = [&](const auto& renderer) {
+    return dynamic_cast<CompositeRenderer&>(*renderer).composite().parts > 0;
+  };
+  EXPECT_TRUE(until([&] {
+    step();
+    return helped(more[1]) && helped(more[2]);
+  }));
+  EXPECT_TRUE(needed.refusing().empty());
+  more.clear();
 }
 
 /// Messages that any client may send, and how the call ends.

@@ -77,6 +77,7 @@ CapacityBroker::Use CapacityBroker::use() {
   };
   const double busy = std::min(1.0, part(options_.busy_seconds(), busy_before_));
   use.lent = std::min(busy, part(options_.lent_seconds(), lent_before_));
+  use.spare = std::min(use.lent, part(options_.spare_seconds(), spare_before_));
   if (helpers_ != nullptr) use.helped = part(helpers_->helped_seconds(), helped_before_);
   const double waiting = waited_ / static_cast<double>(std::max<std::size_t>(1, ticks_));
   waited_ = 0;
@@ -87,14 +88,22 @@ CapacityBroker::Use CapacityBroker::use() {
   return use;
 }
 
+bool CapacityBroker::looks_for_helpers(const Use& use) const {
+  const directory::LendingRules& rules = options_.rules;
+  return helpers_ != nullptr &&
+         (use.asked >= rules.borrows ||
+          (use.asked >= rules.renders && lending_.helpers.size() < rules.most_spare));
+}
+
 std::vector<directory::PeerLoad> CapacityBroker::observed_peers(const Use& use) {
-  const bool wants = helpers_ != nullptr && use.asked >= options_.rules.borrows;
+  const bool wants = looks_for_helpers(use);
   const bool lends = use.lent > 0;
   addresses_.clear();
   if (!wants && !lends && !lent_reported_ && lending_.helpers.empty()) return {};
   directory::PeerQuery query;
   query.asked = use.asked;
-  if (lends) query.lent = use.lent;
+  // Peers that need help may have the spare time too, so it does not count as lent.
+  if (lends) query.lent = use.lent - use.spare;
   query.fleet = fleet_of(options_.owner);
   query.random = wants ? kAtRandom : 0;
   for (const Helper& helper : lending_.helpers) query.helpers.push_back(helper.id);
@@ -127,15 +136,17 @@ void CapacityBroker::borrow(const Lending& before) {
     return std::any_of(lending.helpers.begin(), lending.helpers.end(),
                        [&](const Helper& helper) { return helper.id == id; });
   };
-  std::vector<std::string> addresses;
+  std::vector<Loan> loans;
   for (const Helper& helper : lending_.helpers) {
-    addresses.push_back(addresses_.at(helper.id));
-    if (!helps(before, helper.id)) log::info("helper_requested", {{"worker", helper.id}});
+    loans.push_back({addresses_.at(helper.id), helper.spare});
+    if (!helps(before, helper.id)) {
+      log::info("helper_requested", {{"worker", helper.id}, {"spare", helper.spare}});
+    }
   }
   for (const Helper& helper : before.helpers) {
     if (!helps(lending_, helper.id)) log::info("helper_released", {{"worker", helper.id}});
   }
-  helpers_->borrow(addresses);
+  helpers_->borrow(loans);
 }
 
 void CapacityBroker::update() {

@@ -34,10 +34,12 @@ struct CapacityBrokerTest : testing::Test {
     options.node = "node-1";
     options.period = 20ms;
     options.rules.most = 2;
+    options.rules.most_spare = spare_helpers;
     options.rules.rest = rest;
     // The whole device, in the test's own time.
     options.busy_seconds = [this] { return busy ? seconds() : 0.0; };
     options.lent_seconds = [this] { return lent ? seconds() : 0.0; };
+    options.spare_seconds = [this] { return spare ? seconds() : 0.0; };
     options.waiting = [this] { return waiting.load(); };
     options.volumes = [] { return std::vector<std::string>{"seen-here"}; };
     options.updated = [this](std::size_t) { ++updates; };
@@ -65,9 +67,10 @@ struct CapacityBrokerTest : testing::Test {
 
   TestRedis redis;
   const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
-  std::atomic<bool> busy{true}, lent{false};
+  std::atomic<bool> busy{true}, lent{false}, spare{false};
   std::atomic<std::size_t> waiting{0};
   std::atomic<int> updates{0};
+  std::size_t spare_helpers = 0;
   double rest = 3600;  ///< so that a slow machine does not look like an idle device
   GrpcAssistants helpers{{}, {}, 2};
 };
@@ -131,6 +134,32 @@ TEST_F(CapacityBrokerTest, BorrowsOnlyOtherWorkersOfTheSameFleet) {
   beat();
   wait_for_two_updates();
   EXPECT_EQ(borrowed(), std::set{address("ours")});
+}
+
+TEST_F(CapacityBrokerTest, BorrowsSpareTimeForASessionAloneAndMoreDuringOverload) {
+  spare_helpers = 2;
+  waiting = 1;
+  const auto beat = [&] {
+    peer("a");
+    peer("b", {"load", "0.6"});
+  };
+  beat();
+  const auto broker = start(&helpers);
+  ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, beat));
+  beat();
+  wait_for_two_updates();
+  EXPECT_EQ(borrowed(), std::set{address("a")}) << "the other is not idle";
+  waiting = 4;
+  EXPECT_TRUE(comes([&] { return borrowed() == std::set({address("a"), address("b")}); }, beat));
+}
+
+TEST_F(CapacityBrokerTest, SpareTimeDoesNotCountAsLent) {
+  peer("us", {"incarnation", "now"});
+  lent = spare = true;
+  const auto broker = start(nullptr);
+  const auto beat = [&] { peer("us", {"incarnation", "now"}); };
+  EXPECT_TRUE(comes([&] { return redis.field("diaphane:worker:us", "lent") == "0.000"; }, beat));
+  EXPECT_EQ(redis.field("diaphane:worker:us", "asked"), "0.000");
 }
 
 TEST_F(CapacityBrokerTest, ReportsAndClearsLentCapacity) {

@@ -92,6 +92,7 @@ class Exchange {
 /// A worker and its calls in progress.
 struct AssistPeer {
   std::string address;
+  bool spare = false;  ///< Loan::spare
   std::unique_ptr<v1::RenderWorker::Stub> stub;
   /// Whether a call ended before the worker was ready, for another reason than too many sessions.
   std::atomic<bool> refuses{false};
@@ -177,6 +178,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     open.mutable_open()->set_with_table(order.with_table);
     open.mutable_open()->set_seed(order.seed);
     open.mutable_open()->set_first_sample(order.first_sample);
+    open.mutable_open()->set_spare(peer_->spare);
     send(std::move(open));
     StartRead(&reply_);
     StartCall();
@@ -368,7 +370,7 @@ GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses, const wire::I
                                std::size_t most)
     : tls_(tls), credentials_(wire::channel_credentials(tls)) {
   for (const std::string& address : addresses) {
-    peers_.push_back(open(address));
+    peers_.push_back(open({address}));
     fixed_.push_back(std::make_shared<AssistSlot>());
     fixed_.back()->always = true;
     fixed_.back()->put(peers_.back());
@@ -380,7 +382,7 @@ GrpcAssistants::~GrpcAssistants() {
   for (const auto& peer : peers_) peer->await_idle();
 }
 
-std::shared_ptr<AssistPeer> GrpcAssistants::open(const std::string& address) const {
+std::shared_ptr<AssistPeer> GrpcAssistants::open(const Loan& loan) const {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
   // Detects within 15 s that a worker vanished without closing the connection, and then tries to
@@ -390,8 +392,9 @@ std::shared_ptr<AssistPeer> GrpcAssistants::open(const std::string& address) con
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
   auto peer = std::make_shared<AssistPeer>();
   peer->stub =
-      v1::RenderWorker::NewStub(wire::open_channel(address, tls_, credentials_, arguments));
-  peer->address = address;
+      v1::RenderWorker::NewStub(wire::open_channel(loan.address, tls_, credentials_, arguments));
+  peer->address = loan.address;
+  peer->spare = loan.spare;
   return peer;
 }
 
@@ -405,27 +408,28 @@ std::vector<std::unique_ptr<Assistant>> GrpcAssistants::assistants(const AssistO
   return all;
 }
 
-void GrpcAssistants::borrow(const std::vector<std::string>& addresses) {
+void GrpcAssistants::borrow(const std::vector<Loan>& loans) {
   const std::lock_guard lock(mutex_);
-  const auto requested = [&](const AssistPeer& peer) {
-    return std::find(addresses.begin(), addresses.end(), peer.address) != addresses.end();
+  const auto is_for = [](const AssistPeer& peer, const Loan& loan) {
+    return peer.address == loan.address && peer.spare == loan.spare;
   };
   for (const auto& slot : coming_) {
     const auto peer = slot->peer();
-    if (!peer || requested(*peer)) continue;
+    const auto requested = [&](const Loan& loan) { return is_for(*peer, loan); };
+    if (!peer || std::any_of(loans.begin(), loans.end(), requested)) continue;
     slot->put(nullptr);
     peer->leave();
   }
-  for (const std::string& address : addresses) {
+  for (const Loan& loan : loans) {
     const auto has = [&](const auto& slot) {
       const auto peer = slot->peer();
-      return peer && peer->address == address;
+      return peer && is_for(*peer, loan);
     };
     if (std::any_of(coming_.begin(), coming_.end(), has)) continue;
     const auto free = std::find_if(coming_.begin(), coming_.end(),
                                    [](const auto& slot) { return !slot->peer(); });
     if (free == coming_.end()) break;
-    peers_.push_back(open(address));
+    peers_.push_back(open(loan));
     (*free)->put(peers_.back());
   }
   std::erase_if(peers_, [&](const auto& peer) { return peer->gone(); });

@@ -18,6 +18,12 @@ namespace diaphane::render {
 struct AssistPeer;
 struct AssistSlot;
 
+/// A worker to borrow.
+struct Loan {
+  std::string address;
+  bool spare = false;  ///< renders only while nothing else needs its device
+};
+
 /// Other workers as assistants, over gRPC with api/proto/worker.proto. Connections are opened with
 /// a session's first picture and reopened after failures, at most once per second. Besides the
 /// permanent workers, some can be borrowed. Each session has an assistant per possible borrowed
@@ -34,8 +40,8 @@ class GrpcAssistants final : public AssistSource {
   std::vector<std::unique_ptr<Assistant>> assistants(const AssistOrder& order) override;
 
   /// Sets the borrowed workers, at most `most`. All sessions release workers that are no longer
-  /// listed.
-  void borrow(const std::vector<std::string>& addresses);
+  /// listed, and reconnect to those that are listed with another `spare`.
+  void borrow(const std::vector<Loan>& loans);
   std::vector<std::string> borrowed() const;  ///< their addresses
   /// Returns the borrowed workers that refused or were unreachable. They are not tried again until
   /// they have been removed and added.
@@ -44,7 +50,7 @@ class GrpcAssistants final : public AssistSource {
   double helped_seconds() const { return *helped_seconds_; }
 
  private:
-  std::shared_ptr<AssistPeer> open(const std::string& address) const;
+  std::shared_ptr<AssistPeer> open(const Loan& loan) const;
 
   const wire::InnerTls tls_;
   const std::shared_ptr<grpc::ChannelCredentials> credentials_;

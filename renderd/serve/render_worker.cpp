@@ -119,15 +119,21 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
           [store = options.volume_dir](const std::string& id) {
             return volume::stored_hash(store + "/" + id);
           })),
-      host_(std::make_unique<SessionHost>(options.host, *homes_, *encoders_, *volumes_, stats_,
+      host_(std::make_unique<SessionHost>(with_reclaim(options.host), *homes_, *encoders_, *volumes_, stats_,
                                           SliceParts{*voxels_, *slicers_}, *textures_, metrics,
                                           clock)),
       stills_(std::make_unique<StillService>(*homes_, *encoders_, *volumes_, stats_, metrics, clock,
                                              options.still_samples)),
-      assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *homes_,
-                                            *volumes_)),
+      assists_(std::make_unique<AssistHost>(
+          AssistHost::Options{.most = options.host.slots, .spare_bytes = options.volume_bytes / 2},
+          *homes_, *volumes_)),
       watching_([this](const std::stop_token& stop) { watch_store(stop); }) {
   slow_down_decoding();
+}
+
+SessionHost::Options RenderWorker::with_reclaim(SessionHost::Options options) {
+  options.reclaim = [this] { return assists_ && assists_->end_spare(); };
+  return options;
 }
 
 void RenderWorker::slow_down_decoding() {

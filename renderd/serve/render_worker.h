@@ -46,6 +46,7 @@ class RenderWorker {
   Homes& homes() { return *homes_; }
 
  private:
+  SessionHost::Options with_reclaim(SessionHost::Options options);
   void slow_down_decoding();
   /// Drops copies of volumes that are no longer in the store, and ends their sessions, every
   /// second.

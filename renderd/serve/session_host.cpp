@@ -261,6 +261,7 @@ std::function<void(const Error&)> SessionHost::when_ended(const std::string& id)
 }
 
 void SessionHost::out_of_memory() {
+  if (options_.reclaim && options_.reclaim()) return;
   Session abandoned;
   {
     const std::lock_guard lock(mutex_);

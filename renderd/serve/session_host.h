@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -49,6 +50,9 @@ class SessionHost {
     /// How long the device counts as full after it ran out of memory for a session, unless a
     /// session ends before.
     std::chrono::seconds full_for{10};
+    /// Frees device memory that other workers' pictures use, and returns whether there was any.
+    /// May be empty.
+    std::function<bool()> reclaim;
     /// For benches: draws input_seq into the pixels (encode/frame_mark.h).
     bool mark_frames = false;
   };

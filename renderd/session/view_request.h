@@ -61,6 +61,8 @@ class RenderClient {
   virtual ~RenderClient() = default;
   /// Returns whether the picture is rendered for another worker.
   virtual bool of_another_worker() const { return false; }
+  /// Returns whether it is rendered only while no other picture could become better.
+  virtual bool with_spare_time() const { return false; }
   /// Returns whether it belongs to a user without an account. Such clients together get a limited
   /// share of the device.
   virtual bool of_visitor() const { return false; }

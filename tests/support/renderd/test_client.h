@@ -47,6 +47,7 @@ class TestClient final : public RenderClient {
     requested_.picture_again = true;
   }
 
+  bool with_spare_time() const override { return spare; }
   ViewRequest requested() override {
     const std::lock_guard lock(mutex_);
     ViewRequest requested = requested_;
@@ -92,6 +93,7 @@ class TestClient final : public RenderClient {
 
   std::atomic<std::uint64_t> samples{0};
   std::atomic<std::uint64_t> began_epoch{0};
+  std::atomic<bool> spare{false};
   std::vector<Error> refusals;
   std::vector<Error> failures;
 
