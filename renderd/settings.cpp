@@ -51,7 +51,7 @@ void read_devices(ConfigReader& in, Settings& settings) {
                                   "picture",
                                   ""));
   settings.lend = static_cast<std::size_t>(in.integer(
-      "lend", "maximum number of peer workers to borrow when this GPU is overloaded (0 = off)", 0,
+      "lend", "maximum number of peer workers that render this worker's pictures too (0 = off)", 0,
       8, 0));
   for (const std::string& address : settings.assist) {
     const auto parsed = wire::parse_redis_address(address);

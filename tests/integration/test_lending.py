@@ -77,3 +77,42 @@ def test_an_idle_peer_helps_until_it_gets_its_own_session(stack_factory):
             viewer.leave()
     finally:
         neighbour.kill()
+
+
+def test_a_session_alone_uses_the_spare_time_of_an_idle_peer(stack_factory):
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_LEND": "1", "DIAPHANE_MAX_ERROR": "0.0002"})
+    somebody = person(stack)
+    ball = store_ball(stack, somebody)
+    neighbour = OtherWorker(stack, "neighbour", "--max-error=0.0002", redis=stack.redis_address)
+    worker = "diaphane:worker:neighbour"
+    alone = Viewer(stack.url, open_session(somebody, ball)[1], side=256)
+
+    def refines(until):
+        def step():
+            alone.frame()
+            return until()
+        return step
+
+    def helped() -> float:
+        return gauge(metrics_at(neighbour.admin_port), "diaphane_renderd_helped_pictures")
+
+    try:
+        neighbour.start()
+        stack.wait_until(refines(lambda: stack.redis.hget(worker, "lent") is not None), timeout=60, what="it renders for its neighbour")
+        assert '"worker":"neighbour","spare":true' in stack.log("renderd")
+        assert helped() == 1
+        # Nobody needs its help, so it still counts as idle.
+        stack.wait_until(refines(lambda: float(stack.redis.hget(worker, "load")) > 0.5), timeout=60, what="it is busy with that")
+        assert float(stack.redis.hget(worker, "lent")) < 0.1 and float(stack.redis.hget(worker, "asked")) < 0.3
+
+        session, url = open_session(somebody, ball)
+        assert stack.redis.hget(f"diaphane:session:{session}", "worker") == "neighbour"
+        second = Viewer(stack.url, url, side=256)
+        second.frame()
+        stack.wait_until(refines(lambda: helped() == 0), timeout=60, what="its own session has it alone")
+        seq = second.turn(30)
+        second.frame(condition=lambda frame: frame.input_seq >= seq)
+        second.leave()
+        alone.leave()
+    finally:
+        neighbour.kill()
