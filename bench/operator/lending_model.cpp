@@ -67,7 +67,8 @@ void LendingModel::share_out(const std::vector<Device>& devices) {
     lacks[i] = std::max(0.0, devices[i].wants - 1) / of_use;
     left[i] = std::max(0.0, 1 - devices[i].wants);
     for (const Helper& helper : lendings_[i].helpers) {
-      if (!helper.spare && helper.since >= costs_.load_seconds) links.push_back({number(helper.id), i});
+      if (!helper.spare && helper.since >= costs_.load_seconds)
+        links.push_back({number(helper.id), i});
     }
   }
   std::vector<double> taken(devices.size());

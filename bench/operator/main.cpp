@@ -26,7 +26,7 @@ lending between devices. Prints a table.
   --slots N          maximum number of sessions per device (default: 16)
   --seconds N        simulated time in seconds (default: 300)
   --wanted SHARE     share of all devices that the sessions need together (default: 0.7)
-  --helpers N        maximum number of devices that a device borrows (default: 3)
+  --helpers N        maximum number of devices that a device borrows (default: 7)
   --lend-from SHARE  demand of a device above which it borrows (default: 1.05)
   --merging SHARE    share of a device's time that merging borrowed samples costs (default: 0.125)
   --load-seconds N   time to load a volume on a helper, in seconds (default: 1)
@@ -55,7 +55,7 @@ bool take(const std::string& name, const char* value, Setting& setting, std::str
   } else if (name == "--wanted") {
     setting.wanted = number;
   } else if (name == "--helpers") {
-    setting.lending.most = static_cast<std::size_t>(number);
+    setting.lending.most = setting.lending.most_spare = static_cast<std::size_t>(number);
   } else if (name == "--lend-from") {
     setting.lending.borrows = number;
     setting.lending.enough = number - 0.2;
@@ -79,6 +79,7 @@ bool take(const std::string& name, const char* value, Setting& setting, std::str
 
 int main(int argc, char** argv) {
   Setting setting;
+  setting.lending.most = setting.lending.most_spare = 7;  // as in the chart
   std::string json, csv;
   for (int i = 1; i < argc; i += 2) {
     if (i + 1 < argc && take(argv[i], argv[i + 1], setting, json, csv)) continue;

@@ -277,8 +277,8 @@ TEST_F(Assist, NeededPicturesEndThoseWithSpareTime) {
   devices.push_back(make_cpu_engine(1));
   const auto other = make_composite_engine(std::move(devices), &needed, {});
   std::vector<std::unique_ptr<FrameRenderer>> more;
-  for (Engine* engine : {engine_.get(), static_cast<Engine*>(other.get()),
-                         static_cast<Engine*>(other.get())}) {
+  for (Engine* engine :
+       {engine_.get(), static_cast<Engine*>(other.get()), static_cast<Engine*>(other.get())}) {
     more.push_back(*engine->renderer(loaded_, 6, 0, kSharedMethod));
     ASSERT_TRUE(more.back()->set_scene(scene_, kCanvas));
   }

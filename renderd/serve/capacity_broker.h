@@ -37,11 +37,11 @@ class CapacityBroker {
     std::string owner;    ///< only workers of the same fleet help each other
     directory::LendingRules rules;
     std::chrono::milliseconds period{1000};
-    std::function<double()> busy_seconds;  ///< busy time of the device since the start
-    std::function<double()> lent_seconds;  ///< part of the busy time spent on other workers'
-                                           ///< pictures
-    std::function<double()> spare_seconds; ///< part of that which nothing else needed
-    std::function<double()> waiting;       ///< sessions per device that have not converged
+    std::function<double()> busy_seconds;   ///< busy time of the device since the start
+    std::function<double()> lent_seconds;   ///< part of the busy time spent on other workers'
+                                            ///< pictures
+    std::function<double()> spare_seconds;  ///< part of that which nothing else needed
+    std::function<double()> waiting;        ///< sessions per device that have not converged
     std::function<std::vector<std::string>()> volumes;  ///< loaded volumes
     std::function<void(std::size_t borrowed)> updated;  ///< called after each update
   };

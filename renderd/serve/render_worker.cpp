@@ -119,9 +119,9 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
           [store = options.volume_dir](const std::string& id) {
             return volume::stored_hash(store + "/" + id);
           })),
-      host_(std::make_unique<SessionHost>(with_reclaim(options.host), *homes_, *encoders_, *volumes_, stats_,
-                                          SliceParts{*voxels_, *slicers_}, *textures_, metrics,
-                                          clock)),
+      host_(std::make_unique<SessionHost>(with_reclaim(options.host), *homes_, *encoders_,
+                                          *volumes_, stats_, SliceParts{*voxels_, *slicers_},
+                                          *textures_, metrics, clock)),
       stills_(std::make_unique<StillService>(*homes_, *encoders_, *volumes_, stats_, metrics, clock,
                                              options.still_samples)),
       assists_(std::make_unique<AssistHost>(
