@@ -2,6 +2,7 @@
 
 #include "common/try.h"
 #include "renderd/engine/cpu/engine.h"
+#include "renderd/engine/cpu/kernel.h"
 #include "renderd/engine/frame_renderer.h"
 #if defined(DIAPHANE_HAVE_CUDA)
 #include "renderd/engine/cuda/engine.h"
@@ -16,6 +17,16 @@ Result<std::unique_ptr<Engine>> cuda_engine([[maybe_unused]] const EngineOptions
 #else
   return fail(ErrorCode::kUnavailable, "this program was built without the CUDA engine", "engine");
 #endif
+}
+
+Result<std::unique_ptr<Engine>> cpu_engine(unsigned threads, const EngineOptions& options,
+                                           const std::string& fallback_reason) {
+  if (!cpu_suffices()) {
+    return fail(ErrorCode::kUnavailable,
+                "This program was built for a CPU with AVX2, FMA and BMI2. Build it with "
+                "-DDIAPHANE_PORTABLE=ON to run it here.");
+  }
+  return make_cpu_engine(threads, options.film_bytes, fallback_reason);
 }
 
 }  // namespace
@@ -76,10 +87,10 @@ Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned thread
     if (engine || choice == EngineChoice::kCuda) return engine;
     if (on_fallback) {
       on_fallback(engine.error());
-      return make_cpu_engine(threads, options.film_bytes, engine.error().message);
+      return cpu_engine(threads, options, engine.error().message);
     }
   }
-  return make_cpu_engine(threads, options.film_bytes);
+  return cpu_engine(threads, options, {});
 }
 
 Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads) {

@@ -111,7 +111,7 @@ def start(monkeypatch):
     monkeypatch.setattr(build, "may_build_page", lambda: True)
     monkeypatch.setattr(build, "npm_install", lambda: done.append("npm"))
     monkeypatch.setattr(build, "build_page", lambda: done.append("page"))
-    monkeypatch.setattr(build, "build_programs", lambda *_: done.append("programs"))
+    monkeypatch.setattr(build, "build_programs", lambda *_, **_named: done.append("programs"))
     return done
 
 
@@ -159,3 +159,48 @@ def test_a_failed_page_build_stops_the_start(start, monkeypatch):
     monkeypatch.setattr(build, "build_page", fail)
     with pytest.raises(CliError, match="page"):
         prepare.for_up(may_install=True)
+
+
+@pytest.fixture
+def cmake_calls(monkeypatch, tmp_path):
+    """The options of each call of CMake, in a checkout that was never built."""
+    calls = []
+
+    def output(argv, *_args, **_named):
+        calls.append(argv[3:])
+        folder = tmp_path / "build" / "release"
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in ("build.ninja", "CMakeCache.txt"):
+            (folder / name).touch()
+
+    (tmp_path / "CMakePresets.json").write_text("{}", encoding="ascii")
+    monkeypatch.setattr(build.paths, "REPO", tmp_path)
+    monkeypatch.setattr(build.paths, "STAMPS", tmp_path / "stamps")
+    monkeypatch.setattr(build.commands, "output", output)
+    monkeypatch.setattr(build, "_has_needed_instructions", lambda: True)
+    return calls
+
+
+def test_a_first_start_builds_only_the_kernel_of_this_processor(cmake_calls):
+    build.configure(portable=False)
+    build.configure(portable=False)
+    assert cmake_calls == [["-DDIAPHANE_PORTABLE=OFF"]]
+    build.configure()
+    assert cmake_calls[1:] == [["--fresh"]], "everything else needs all kernels"
+    build.configure(portable=False)
+    assert len(cmake_calls) == 2, "and a later start keeps them"
+
+
+def test_a_first_start_builds_every_kernel_on_an_old_processor(cmake_calls, monkeypatch):
+    monkeypatch.setattr(build, "_has_needed_instructions", lambda: False)
+    build.configure(portable=False)
+    build.configure()
+    assert cmake_calls == [[]]
+
+
+@pytest.mark.parametrize("flags, suffices", [("fpu sse2 avx2 bmi2 fma avx512f", True), ("fpu sse2 avx bmi2 fma", False), ("", False)])
+def test_the_instructions_of_the_processor_are_read_from_the_kernel(tmp_path, flags, suffices):
+    cpuinfo = tmp_path / "cpuinfo"
+    cpuinfo.write_text(f"processor\t: 0\nflags\t\t: {flags}\n", encoding="ascii")
+    assert build._has_needed_instructions(cpuinfo) == suffices
+    assert not build._has_needed_instructions(tmp_path / "absent")

@@ -30,16 +30,36 @@ def jobs() -> int:
     return max(1, min(len(os.sched_getaffinity(0)), int(memory / 1.5e9)))
 
 
-def configure(preset: str = "release") -> Path:
-    """Returns the build directory of a preset, configured if it was not, or if the compilers changed."""
+#: The instructions that programs need which are not portable (renderd/engine/cpu/kernel.cpp).
+_NEEDED_INSTRUCTIONS = {"avx2", "fma", "bmi2"}
+
+
+def _has_needed_instructions(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
+    try:
+        flags = next((line for line in cpuinfo.read_text(encoding="utf-8").splitlines() if line.startswith("flags")), "")
+    except OSError:
+        return False
+    return set(flags.partition(":")[2].split()) >= _NEEDED_INSTRUCTIONS
+
+
+def configure(preset: str = "release", portable: bool = True) -> Path:
+    """Returns the build directory of a preset, configured if it was not, or if the compilers changed.
+
+    Without `portable`, a first build leaves out the kernel for processors that this machine does not have."""
     folder = paths.REPO / "build" / preset
     env = environment()
-    expected = build_stamp.digest([paths.REPO / "CMakePresets.json"], env.get("CUDACXX", ""))
-    if not (folder / "build.ninja").exists() or not build_stamp.is_current(f"configure-{preset}", expected):
+
+    def expected(portable: bool) -> str:
+        return build_stamp.digest([paths.REPO / "CMakePresets.json"], env.get("CUDACXX", ""), *([] if portable else ["only here"]))
+
+    is_configured = (folder / "build.ninja").exists()
+    if not (is_configured and any(build_stamp.is_current(f"configure-{preset}", expected(kind)) for kind in {True, portable})):
+        only_here = not portable and _has_needed_instructions()
         step(f"Configuring build/{preset}")
-        fresh = ["--fresh"] if (folder / "CMakeCache.txt").exists() else []
-        commands.output(["cmake", "--preset", preset, *fresh], f"configuring build/{preset} with CMake", 1000, cwd=paths.REPO, env=env)
-        build_stamp.set_current(f"configure-{preset}", expected)
+        options = ["--fresh"] if (folder / "CMakeCache.txt").exists() else []
+        options += ["-DDIAPHANE_PORTABLE=OFF"] if only_here else []
+        commands.output(["cmake", "--preset", preset, *options], f"configuring build/{preset} with CMake", 1000, cwd=paths.REPO, env=env)
+        build_stamp.set_current(f"configure-{preset}", expected(not only_here))
     return folder
 
 
@@ -85,12 +105,12 @@ def programs(folder: Path) -> list[str]:
     return sorted(name for name in names if name.startswith("bin/diaphane-"))
 
 
-def build_programs(*names: str) -> None:
-    """Builds these programs (such as `diaphane-api`), or all of them."""
+def build_programs(*names: str, portable: bool = True) -> None:
+    """Builds these programs (such as `diaphane-api`), or all of them. `portable` is that of configure()."""
     if "DIAPHANE_BUILD" in os.environ:
         say(f"Using the programs in {paths.build_dir()} without rebuilding them (DIAPHANE_BUILD is set)")
         return
-    folder = configure()
+    folder = configure(portable=portable)
     known = programs(folder)
     absent = [name for name in names if f"bin/{name}" not in known]
     if absent:

@@ -19,7 +19,7 @@ def for_up(may_install: bool) -> None:
             packages.install(debian, afterwards=f", then {progress.programs_left(build.jobs())} of building")
         tools.result()
         page = beside.submit(_build_page, npm)    # needs protoc, which is a Debian package
-        build.build_programs(*build.RUN_BY_UP)
+        build.build_programs(*build.RUN_BY_UP, portable=False)
         page.result()
 
 

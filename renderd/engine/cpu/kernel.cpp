@@ -17,11 +17,20 @@ bool has_avx2() {
 }  // namespace
 
 CpuKernel cpu_kernel(Features features, bool exact) {
-  static const bool avx2 = has_avx2();
-#if defined(__x86_64__)
-  if (avx2) return cpu_kernel_avx2(features, exact);
+#if !defined(DIAPHANE_ONLY_AVX2)
+  if (!has_avx2()) return cpu_kernel_baseline(features, exact);
 #endif
-  return cpu_kernel_baseline(features, exact);
+#if defined(__x86_64__)
+  return cpu_kernel_avx2(features, exact);
+#endif
+}
+
+bool cpu_suffices() {
+#if defined(DIAPHANE_ONLY_AVX2)
+  return has_avx2();
+#else
+  return true;
+#endif
 }
 
 DenoiseRow denoise_row() {

@@ -21,6 +21,9 @@ using CpuKernel = void (*)(const CpuScene&, const CpuTile&);
 /// Returns the kernel for a set of features and for the instruction set of this processor. `exact`
 /// selects the exact walk instead of tracking.
 CpuKernel cpu_kernel(Features features, bool exact = false);
+/// Returns whether the processor has the instructions that cpu_kernel() needs, which is always true
+/// if the build option DIAPHANE_PORTABLE is on.
+bool cpu_suffices();
 /// Returns the instruction set, "AVX2" or "baseline", for reports.
 const char* cpu_instructions();
 
