@@ -27,5 +27,6 @@ describe("a problem of the server", () => {
   });
   it("uses the page's own text where it is better than the server's", () => {
     expect(problemText(problem("offline", "x"))).toContain("connection");
+    expect(problemText(problem("code-needed", "Authentication code required"))).toContain("Reload the page");
   });
 });

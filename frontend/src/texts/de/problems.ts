@@ -8,6 +8,8 @@ export const problems: Texts["problems"] = {
     offline: "Diaphane ist nicht erreichbar. Prüfen Sie Ihre Verbindung und versuchen Sie es noch einmal.",
     "wrong-credentials":
       "Die E-Mail-Adresse oder das Passwort ist falsch. Prüfen Sie beides und versuchen Sie es noch einmal.",
+    "code-needed":
+      "Die Zwei-Faktor-Authentifizierung wurde in einem anderen Fenster eingeschaltet. Laden Sie die Seite neu und geben Sie dann auch einen Code ein.",
     disabled:
       "Dieses Konto wurde von der Administration gesperrt. Wenden Sie sich an die Administration dieses Diaphane-Servers.",
     "link-expired": "Dieser Link ist abgelaufen oder wurde schon benutzt. Fordern Sie einen neuen an.",

@@ -7,6 +7,8 @@ export const problems = {
   always: {
     offline: "We couldn’t reach Diaphane. Check your connection and try again.",
     "wrong-credentials": "The email address or password is wrong. Check both and try again.",
+    "code-needed":
+      "Two-factor authentication was turned on in another window. Reload the page, then enter a code as well.",
     disabled: "An administrator has disabled this account. Contact the administrator of this Diaphane server.",
     "link-expired": "This link has expired or has already been used. Request a new one.",
     busy: "Diaphane is busy at the moment. Try again shortly.",
