@@ -54,6 +54,17 @@ describe("a cut", () => {
     }
   });
 
+  it("stops waiting once the scan is gone or the user is signed out", async () => {
+    for (const kind of ["not-found", "unauthenticated"] as const) {
+      const status = kind === "not-found" ? 404 : 401;
+      let looks = 0;
+      const look = () => (++looks === 1 ? Promise.resolve(ready) : Promise.reject(new ApiProblem(status, kind, "")));
+      const api = { look, cut: () => Promise.resolve({ ...ready, state: "queued" as const }) };
+      const steps = { api, pause: () => Promise.resolve(), isOver: () => looks > 3 };
+      await expect(carryOutCut(steps, "1", keep, "a")).rejects.toMatchObject({ kind });
+    }
+  });
+
   it("throws if nothing was sent or the server refused", async () => {
     const offline = server([null]);
     await expect(offline.run()).rejects.toMatchObject({ kind: "offline" });

@@ -16,7 +16,7 @@ export interface CutSteps {
 /**
  * Cuts a scan permanently and waits for the outcome, or returns null if nobody waits any longer. An
  * outcome counts only once the server has the request, because an earlier cut may have left one.
- * @throws if nothing was sent, or if the server refused it.
+ * @throws if nothing was sent, if the server refused it, or if it no longer shows the user the scan.
  */
 export async function carryOutCut(
   { api, pause, isOver }: CutSteps,
@@ -34,7 +34,10 @@ export async function carryOutCut(
   );
   if (isUnanswered) await pause(); // the request may still be on its way
   while (!isOver()) {
-    const now = await api.look(id).catch(() => null); // the next one may succeed
+    const now = await api.look(id).catch((thrown: unknown) => {
+      if (isUncertain(thrown)) return null; // the next one may succeed
+      throw thrown;
+    });
     if (now?.state === "ready") {
       if (now.anonymised_at !== before.anonymised_at) return "done";
       return { problem: isUnanswered && now.problem === before.problem ? "" : (now.problem ?? "") };
