@@ -240,7 +240,8 @@ Registry::Options registry_options(const Parts& parts, const std::string& incarn
           // once.
           .drain_ordered =
               [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); },
-          .lent_seconds = [&] { return worker.assists().lent_seconds(); }};
+          .lent_seconds = [&] { return worker.assists().lent_seconds(); },
+          .spare_seconds = [&] { return worker.assists().spare_seconds(); }};
 }
 
 CapacityBroker::Options broker_options(const Parts& parts, const std::string& incarnation) {
@@ -252,7 +253,8 @@ CapacityBroker::Options broker_options(const Parts& parts, const std::string& in
   lending.address = parts.settings.advertise;
   lending.node = parts.settings.node;
   lending.owner = parts.settings.owner;
-  lending.rules.most = lending.rules.most_spare = parts.settings.lend;
+  lending.rules.most = parts.settings.lend;
+  lending.rules.most_spare = parts.settings.lend_spare ? parts.settings.lend : 0;
   lending.busy_seconds = [&] { return worker.homes().busy_seconds(); };
   lending.lent_seconds = [&] { return worker.assists().lent_seconds(); };
   lending.spare_seconds = [&] { return worker.assists().spare_seconds(); };

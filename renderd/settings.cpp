@@ -51,8 +51,11 @@ void read_devices(ConfigReader& in, Settings& settings) {
                                   "picture",
                                   ""));
   settings.lend = static_cast<std::size_t>(in.integer(
-      "lend", "maximum number of peer workers that render this worker's pictures too (0 = off)", 0,
+      "lend", "maximum number of peer workers to borrow when this GPU is overloaded (0 = off)", 0,
       8, 0));
+  settings.lend_spare =
+      in.integer("lend-spare", "1 = also borrow the spare time of idle peers for a session alone",
+                 0, 1, 0) == 1;
   for (const std::string& address : settings.assist) {
     const auto parsed = wire::parse_redis_address(address);
     if (!parsed || parsed->with_tls) {

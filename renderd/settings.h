@@ -42,6 +42,7 @@ struct Settings {
   std::vector<int> devices;  ///< empty: all that are visible
   std::vector<std::string> assist;
   std::size_t lend = 0;
+  bool lend_spare = false;
   std::string owner;
   std::string node;
   wire::InnerTls tls;

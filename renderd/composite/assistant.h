@@ -47,6 +47,9 @@ class Assistant {
   /// Returns whether the assistant is lost, permanently or temporarily, so that it will not deliver
   /// parts of the task. A temporarily lost one can be asked to return by this call.
   virtual bool lost() = 0;
+  /// Returns whether the assistant may pause for long, because it has only spare time. It then gets
+  /// samples of the whole picture and no rows, which nobody else would render meanwhile.
+  virtual bool may_pause() const { return false; }
   /// Returns the throughput at which its parts are transferred before they can be merged. Within a
   /// process, parts are not transferred; merging reads them where they are.
   virtual double bytes_per_second() const { return 1e12; }

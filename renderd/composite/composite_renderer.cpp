@@ -62,6 +62,7 @@ Division CompositeRenderer::choose() const {
   double slowest = 1e12;
   for (const Helper& helper : helpers_) {
     if (helper.assistant->lost()) continue;
+    if (helper.assistant->may_pause()) return Division::kAverage;
     input.speeds.push_back(helper.speed);
     slowest = std::min(slowest, helper.assistant->bytes_per_second());
   }

@@ -42,7 +42,8 @@ std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uin
 
 QuantumLimits limits_for(std::span<const SessionView> sessions, const QuantumLimits& limits) {
   for (const SessionView& session : sessions) {
-    if (session.visible && session.seconds_since_input < kCalmAfterSeconds) return limits;
+    const bool moved = session.seconds_since_input < kCalmAfterSeconds;
+    if (session.visible && (moved || session.spare)) return limits;
   }
   QuantumLimits calm = limits;
   calm.quantum_seconds = std::max(limits.quantum_seconds, limits.calm_seconds);

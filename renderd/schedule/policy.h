@@ -33,6 +33,7 @@ struct SessionView {
   double seconds_waiting = 0;
   bool visible = true;      ///< a viewer is attached and the picture is on their screen
   bool wants_frame = true;  ///< whether its encoder slot is free and the connection keeps up
+  bool spare = false;       ///< rendered only while no other session gains
   bool visitor = false;     ///< belongs to a user without an account (VisitorShare)
   bool under_way = false;   ///< a quantum of it is in flight; this view was taken before that began
 };
@@ -98,7 +99,7 @@ struct QuantumLimits {
 /// cost is unknown.
 std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uint64_t most);
 /// Returns `limits`, with the calm length of a quantum if no visible session has had input
-/// recently.
+/// recently and none is rendered with spare time, which must delay nobody.
 QuantumLimits limits_for(std::span<const SessionView> sessions, const QuantumLimits& limits);
 /// Returns the number of samples of a session's next quantum under `limits`.
 std::uint32_t quantum_samples(const SessionView& session, const QuantumLimits& limits);

@@ -33,6 +33,11 @@ TEST(Quanta, AreLongerWithoutRecentInput) {
   moving.seconds_since_input = 0.1;
   const QuantumLimits limits;
   EXPECT_GT(limits_for(std::vector{still, still}, limits).quantum_seconds, limits.quantum_seconds);
+  SessionView spare = still;
+  spare.spare = true;
+  EXPECT_EQ(limits_for(std::vector{still, spare}, limits).quantum_seconds, limits.quantum_seconds);
+  spare.visible = false;
+  EXPECT_GT(limits_for(std::vector{still, spare}, limits).quantum_seconds, limits.quantum_seconds);
   EXPECT_EQ(limits_for(std::vector{still, moving}, limits).quantum_seconds, limits.quantum_seconds);
   moving.visible = false;
   EXPECT_GT(limits_for(std::vector{still, moving}, limits).quantum_seconds, limits.quantum_seconds);

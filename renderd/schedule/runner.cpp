@@ -230,7 +230,6 @@ std::vector<SessionView> Runner::refresh_views() {
   std::size_t waiting = 0;
   double error = 0;
   bool urgent = !stills_.empty();
-  std::vector<std::size_t> spare;  // indices in `views`
   for (const auto& entry : entries_) {
     if (entry->gone) continue;
     Ledger& ledger = entry->ledger;
@@ -252,17 +251,16 @@ std::vector<SessionView> Runner::refresh_views() {
     }
     entry->last_view.under_way = entry->under_way;
     entry->last_view.visitor = entry->client->of_visitor();
+    entry->last_view.spare = entry->client->with_spare_time();
     if (entry->moving) ++moving;
     if (gains(entry->last_view) && !entry->client->of_another_worker()) ++waiting;
-    if (gains(entry->last_view) && !entry->client->with_spare_time()) urgent = true;
+    views.push_back(entry->last_view);
+    if (entry->last_view.spare) continue;
+    if (gains(entry->last_view)) urgent = true;
     // A session without a first picture has an infinite error; it counts as 1.
     if (entry->last_view.visible) error += std::min(1.0, entry->last_view.error);
-    views.push_back(entry->last_view);
-    if (entry->client->with_spare_time()) spare.push_back(views.size() - 1);
   }
-  if (urgent) {
-    for (const std::size_t view : spare) views[view].visible = false;
-  }
+  for (SessionView& view : views) view.visible = view.visible && !(view.spare && urgent);
   error_ = error;
   moving_ = moving;
   waiting_ = waiting;
@@ -305,7 +303,7 @@ bool Runner::step() {
     item->entry = *chosen;
     item->samples = quantum.samples;
     const Ledger& ledger = item->entry->ledger;
-    if (!options_.device_queues && first_picture(ledger)) {
+    if (!options_.device_queues && first_picture(ledger) && !item->entry->last_view.spare) {
       item->precedence = first_picture_precedence(item->entry->last_view);
     }
     const double parallel = options_.rules.device_parallel;

@@ -80,6 +80,7 @@ CapacityBroker::Use CapacityBroker::use() {
   use.spare = std::min(use.lent, part(options_.spare_seconds(), spare_before_));
   if (helpers_ != nullptr) use.helped = part(helpers_->helped_seconds(), helped_before_);
   const double waiting = waited_ / static_cast<double>(std::max<std::size_t>(1, ticks_));
+  use.waits = waiting > 0;
   waited_ = 0;
   ticks_ = 0;
   // Each waiting session could use the device alone. While the device is not full, sessions get
@@ -90,7 +91,7 @@ CapacityBroker::Use CapacityBroker::use() {
 
 bool CapacityBroker::looks_for_helpers(const Use& use) const {
   const directory::LendingRules& rules = options_.rules;
-  return helpers_ != nullptr &&
+  return helpers_ != nullptr && use.waits &&
          (use.asked >= rules.borrows ||
           (use.asked >= rules.renders && lending_.helpers.size() < rules.most_spare));
 }
@@ -155,8 +156,8 @@ void CapacityBroker::update() {
   const std::vector<PeerLoad> known = observed_peers(now);
   if (helpers_ != nullptr) {
     const Lending before = lending_;
-    lending_ =
-        lend(lending_, {now.seconds, now.asked, now.helped, known}, options_.rules, random_());
+    const double asked = now.waits ? now.asked : 0;
+    lending_ = lend(lending_, {now.seconds, asked, now.helped, known}, options_.rules, random_());
     borrow(before);
   }
   if (options_.updated) options_.updated(lending_.helpers.size());

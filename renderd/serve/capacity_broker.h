@@ -59,6 +59,7 @@ class CapacityBroker {
   /// Shares of device time since the last update.
   struct Use {
     double seconds = 0, asked = 0, lent = 0, spare = 0, helped = 0;
+    bool waits = false;  ///< whether own sessions wait, and not only thumbnails
   };
 
   void run();

@@ -153,6 +153,18 @@ TEST_F(CapacityBrokerTest, BorrowsSpareTimeForASessionAloneAndMoreDuringOverload
   EXPECT_TRUE(comes([&] { return borrowed() == std::set({address("a"), address("b")}); }, beat));
 }
 
+TEST_F(CapacityBrokerTest, BorrowsNothingForWorkThatNoSessionWaitsFor) {
+  spare_helpers = 2;
+  const auto beat = [&] { peer("a"); };
+  beat();
+  const auto broker = start(&helpers);  // the device is busy, for example with thumbnails
+  for (int i = 0; i < 5; ++i) {
+    beat();
+    wait_for_two_updates();
+    ASSERT_TRUE(borrowed().empty());
+  }
+}
+
 TEST_F(CapacityBrokerTest, SpareTimeDoesNotCountAsLent) {
   peer("us", {"incarnation", "now"});
   lent = spare = true;

@@ -325,6 +325,7 @@ class GrpcAssistant final : public Assistant {
     return true;
   }
 
+  bool may_pause() const override { return peer_ && peer_->spare; }
   double bytes_per_second() const override { return bytes_per_second_; }
 
  private:

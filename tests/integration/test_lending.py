@@ -1,4 +1,4 @@
-"""A device's spare time is lent to the sessions of a peer that is asked for more than it has."""
+"""A device's spare time is lent to the sessions of a peer that is asked for more than it has, or to one that is alone."""
 
 from __future__ import annotations
 
@@ -79,8 +79,13 @@ def test_an_idle_peer_helps_until_it_gets_its_own_session(stack_factory):
         neighbour.kill()
 
 
+def busy_seconds(metrics: str) -> float:
+    return next(float(line.split()[-1]) for line in metrics.splitlines()
+                if line.startswith('diaphane_renderd_device_seconds_total{part="busy"}'))
+
+
 def test_a_session_alone_uses_the_spare_time_of_an_idle_peer(stack_factory):
-    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_LEND": "1", "DIAPHANE_MAX_ERROR": "0.0002"})
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_LEND": "1", "DIAPHANE_LEND_SPARE": "1", "DIAPHANE_MAX_ERROR": "0.0002"})
     somebody = person(stack)
     ball = store_ball(stack, somebody)
     neighbour = OtherWorker(stack, "neighbour", "--max-error=0.0002", redis=stack.redis_address)
@@ -102,8 +107,9 @@ def test_a_session_alone_uses_the_spare_time_of_an_idle_peer(stack_factory):
         assert '"worker":"neighbour","spare":true' in stack.log("renderd")
         assert helped() == 1
         # Nobody needs its help, so it still counts as idle.
-        stack.wait_until(refines(lambda: float(stack.redis.hget(worker, "load")) > 0.5), timeout=60, what="it is busy with that")
-        assert float(stack.redis.hget(worker, "lent")) < 0.1 and float(stack.redis.hget(worker, "asked")) < 0.3
+        before = busy_seconds(metrics_at(neighbour.admin_port))
+        stack.wait_until(refines(lambda: busy_seconds(metrics_at(neighbour.admin_port)) > before + 2), timeout=60, what="it is busy")
+        assert all(float(stack.redis.hget(worker, field)) < 0.3 for field in ("load", "lent", "asked"))
 
         session, url = open_session(somebody, ball)
         assert stack.redis.hget(f"diaphane:session:{session}", "worker") == "neighbour"

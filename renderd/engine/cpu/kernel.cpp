@@ -22,6 +22,8 @@ CpuKernel cpu_kernel(Features features, bool exact) {
 #endif
 #if defined(__x86_64__)
   return cpu_kernel_avx2(features, exact);
+#else
+  return nullptr;  // has_avx2() is false
 #endif
 }
 
