@@ -47,6 +47,8 @@ export function guestTicketSource(api: JoinApi, token: string, key: string, name
     } catch (thrown) {
       if (!(thrown instanceof ApiProblem)) throw thrown;
       if (thrown.status === 404) return { ok: false, trouble: "link_ended", final: true };
+      if (thrown.kind === "busy")
+        return { ok: false, trouble: "guests_full", final: false, retryAfterMs: thrown.retryAfterMs };
       return { ok: false, ...refusal(thrown), retryAfterMs: thrown.retryAfterMs };
     }
   };
