@@ -220,6 +220,43 @@ def test_a_guest_on_a_phone_reads_what_they_can_do(stack: TestStack, visit, open
     keeps_apart(phone)
 
 
+def test_a_guest_on_a_phone_sees_all_of_a_slice(visit, opened, pictures: Path):
+    page, _ = opened("en-GB", 1280, 720)
+    page.get_by_role("button", name="Show the slices (V)").click()  # which the guest follows
+    page.locator(".tool-share").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_role("button", name="Create link").click()
+    link = dialog.locator("input[readonly]").input_value()
+    dialog.get_by_role("checkbox", name="Guests can also see the slices").check()
+    phone = visit(phone=True)
+    phone.goto(link)
+    phone.get_by_role("button", name="Join", exact=True).tap()
+    slider = phone.locator(".slice-pane input[type=range]")
+    expect(slider).to_be_visible()
+    expect(phone.locator(".live-line")).to_be_visible()
+    phone.screenshot(path=pictures / "layout-guest-slice.png")
+    box, line = slider.bounding_box(), phone.locator(".live-line").bounding_box()
+    assert box["y"] + box["height"] <= line["y"], "the status line covers the slice"
+
+
+def test_the_tips_leave_the_looks_visible_at_twice_the_size(opened, pictures: Path):
+    page, _ = opened("en-GB", 720, 450)  # as much as a window of 1440 × 900 shows at 200%
+    expect(page.locator(".hints")).to_be_visible()
+    expect(page.locator(".preset")).to_have_count(6)
+    page.screenshot(path=pictures / "layout-zoomed.png")
+    tips, looks = (page.locator(name).bounding_box() for name in (".hints", ".presets"))
+    assert tips["y"] + tips["height"] <= looks["y"]
+
+
+def test_the_progress_fits_in_one_line_in_german(opened):
+    page, _ = opened("de-DE", 1280, 720)
+    chip = page.locator(".quality-head .chip")
+    expect(chip).to_be_visible()
+    height = "(chip, text) => { const before = chip.firstChild.data; chip.firstChild.data = text;" \
+             " const { height } = chip.getBoundingClientRect(); chip.firstChild.data = before; return height; }"
+    assert chip.evaluate(height, "Wird schärfer … 99\u00a0%") == chip.evaluate(height, "Fertig")
+
+
 def test_nothing_of_a_scan_stays_with_a_guest_after_the_end(visit, opened, pictures: Path):
     page, _ = opened("en-GB", 1280, 720)
     page.get_by_role("button", name="Show the slices (V)").click()  # which the guest follows

@@ -62,6 +62,9 @@ def test_marks_are_made_changed_undone_and_saved(stack: TestStack, visit, craniu
     person = Person.arrives(stack, page, "marks")
     scan = person.has_scan(cranium, "Head")
     opens(stack, page, scan)
+    undo = window(page).get_by_role("button", name="Undo", exact=True)
+    expect(undo).to_be_disabled()
+    assert float(undo.evaluate("(button) => getComputedStyle(button).opacity")) < 0.5, "it looks as if it could be pressed"
     press(page, "Arrow", 0.5, 0.5, to=(0.7, 0.3))
     name_it(page, "The frontal bone")
     press(page, "Circle", 0.45, 0.65, to=(0.52, 0.65))

@@ -184,3 +184,26 @@ def test_signing_out_ends_the_web_session(stack: TestStack, visit):
     assert page.evaluate("fetch('/v1/data-sets').then((r) => r.status)") == 401
     assert page.evaluate("sessionStorage.length") == 0
     person.sign_in()
+
+
+def test_a_forgotten_password_is_replaced_after_a_wrong_address(stack: TestStack, visit):
+    page = visit()
+    anna = Person.arrives(stack, page, "anna")
+    page.context.clear_cookies()
+    stack.psql("DELETE FROM attempts")
+    page.goto(stack.url + "/forgot")
+    email, send = page.get_by_label("Email address"), page.get_by_role("button", name="Send link")
+    email.fill("anan@example.org")
+    send.click()
+    page.get_by_role("button", name="Correct the address or send it again").click()
+    expect(email).to_have_value("anan@example.org")
+    email.fill(anna.email)
+    send.click()
+    expect(page.get_by_role("heading", name="Check your email")).to_be_visible()
+    mail = stack.wait_until(lambda: stack.mails(anna.email), what="the mail")[-1]
+    page.goto(re.search(r"http\S+/reset#token=[0-9a-f]{64}", mail.get_content()).group(0))
+    page.get_by_label("New password").fill("four blind mice run")
+    page.get_by_role("button", name="Set new password").click()
+    expect(page.get_by_role("heading", name="Password changed")).to_be_visible()
+    page.get_by_role("link", name="Go to sign-in").click()
+    anna.sign_in("four blind mice run")

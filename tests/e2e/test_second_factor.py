@@ -85,6 +85,7 @@ def test_signing_in_needs_the_second_factor_or_a_recovery_code(stack: TestStack,
     assert len(codes) == 10 and faults(page) == []
     page.screenshot(path=pictures / f"recovery-codes{'-phone' if look else ''}.png", full_page=True)
     panel(page).get_by_role("button", name="I’ve saved them").click()
+    expect(panel(page).get_by_role("heading", name="Two-factor authentication")).to_be_focused()  # and so in the window
     expect(panel(page).get_by_text("You have 10 recovery codes left.")).to_be_visible()
     page.get_by_role("button", name="Sign out", exact=True).click()
     expect(page.get_by_role("heading", name="Sign in")).to_be_visible()

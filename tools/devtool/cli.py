@@ -19,6 +19,9 @@ def main(arguments: list[str]) -> int:
         return 2
     options, rest = parser.parse_known_args(arguments)
     given = vars(options)
+    # The parser gives up an optional argument such as EMAIL at the first option before it.
+    if len(rest) == 1 and not rest[0].startswith("-") and given.get("email", "") is None:
+        given["email"] = rest.pop()
     module, function, takes_rest = given.pop("module"), given.pop("function"), given.pop("takes_rest")
     if takes_rest:
         given["rest"] = rest

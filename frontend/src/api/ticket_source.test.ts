@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { ApiProblem } from "./client";
-import { sessionTicketSource, type SessionApi } from "./ticket_source";
+import { guestTicketSource, sessionTicketSource, visitTicketSource, type SessionApi } from "./ticket_source";
 
 const stream = (sessionId: string) => ({ session_id: sessionId, stream_url: `/stream?ticket=${sessionId}` });
 const never = new AbortController().signal;
@@ -65,5 +65,19 @@ describe("the ticket source of a session", () => {
       final,
       retryAfterMs: 2000,
     });
+  });
+});
+
+describe("the ticket source of a guest", () => {
+  it.each([
+    [404, "not-found", "link_ended", true],
+    [503, "busy", "guests_full", false],
+    [503, "no-worker", "no_worker", false],
+  ])("%i %s is %s", async (status, kind, trouble, final) => {
+    const refused = fails(status, kind, 2000);
+    const visit = visitTicketSource({ visit: refused }, { token: "t" }, "k");
+    const join = guestTicketSource({ join: refused }, "t", "k", "Anna");
+    const answer = { ok: false, trouble, final, retryAfterMs: 2000 };
+    expect([await visit(never), await join(never)]).toEqual([answer, answer]);
   });
 });

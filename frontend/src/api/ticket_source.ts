@@ -46,8 +46,7 @@ export function guestTicketSource(api: JoinApi, token: string, key: string, name
       return { ok: true, url: (await api.join(token, key, name, signal)).stream_url };
     } catch (thrown) {
       if (!(thrown instanceof ApiProblem)) throw thrown;
-      if (thrown.status === 404) return { ok: false, trouble: "link_ended", final: true };
-      return { ok: false, ...refusal(thrown), retryAfterMs: thrown.retryAfterMs };
+      return { ok: false, ...refusalOfGuest(thrown), retryAfterMs: thrown.retryAfterMs };
     }
   };
 }
@@ -72,8 +71,7 @@ export function visitTicketSource(
       return { ok: true, url: (await api.visit(what, key, signal)).stream_url };
     } catch (thrown) {
       if (!(thrown instanceof ApiProblem)) throw thrown;
-      if (thrown.status === 404) return { ok: false, trouble: "link_ended", final: true };
-      return { ok: false, ...refusal(thrown), retryAfterMs: thrown.retryAfterMs };
+      return { ok: false, ...refusalOfGuest(thrown), retryAfterMs: thrown.retryAfterMs };
     }
   };
 }
@@ -85,6 +83,12 @@ async function again(api: SessionApi, id: string, signal: AbortSignal): Promise<
     if (thrown instanceof ApiProblem && thrown.status === 404) return null;
     throw thrown;
   }
+}
+
+function refusalOfGuest(problem: ApiProblem): { trouble: Trouble; final: boolean } {
+  if (problem.status === 404) return { trouble: "link_ended", final: true };
+  if (problem.kind === "busy") return { trouble: "guests_full", final: false };
+  return refusal(problem);
 }
 
 function refusal(problem: ApiProblem): { trouble: Trouble; final: boolean } {

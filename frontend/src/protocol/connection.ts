@@ -18,6 +18,7 @@ export type Trouble =
   | "lost"
   | "worker_lost"
   | "no_worker"
+  | "guests_full"
   | "unreachable"
   | "not_found"
   | "not_ready"

@@ -3,6 +3,7 @@ import type { Fleet } from "../api/types";
 import { t } from "../texts";
 import { Audit } from "./admin_audit";
 import { Users } from "./admin_users";
+import { percentText } from "./format";
 import { LegalReminder } from "./legal";
 import { Link } from "./router";
 import { adminParts, type AdminPart } from "./routes";
@@ -114,7 +115,7 @@ function FleetState() {
               `${t.kernel.device(worker.device)} (${worker.engine})`,
               `${worker.used} / ${worker.slots}`,
               <span>
-                <meter min={0} max={1} value={worker.load} aria-label={heads.load} /> {Math.round(worker.load * 100)} %
+                <meter min={0} max={1} value={worker.load} aria-label={heads.load} /> {percentText(worker.load)}
               </span>,
               worker.volumes,
               worker.draining ? t.admin.draining : t.admin.working,

@@ -24,9 +24,12 @@ export function Forgot() {
         <Notice kind="good">{t.account.forgotSent(email.trim())}</Notice>
         <p class="muted">{t.account.mailHint}</p>
         <p>
-          <Link href="/sign-in" class="button">
-            {t.account.toSignIn}
-          </Link>
+          <button type="button" class="button" onClick={() => setSent(false)}>
+            {t.account.mailAgain}
+          </button>
+        </p>
+        <p class="muted">
+          <Link href="/sign-in">{t.account.toSignIn}</Link>
         </p>
       </AccountFrame>
     );
@@ -68,7 +71,7 @@ export function Reset({ token }: { readonly token: string }) {
       lead={t.account.resetLead}
       label={t.account.newPassword}
       button={t.account.reset}
-      doneTitle={t.titles.reset}
+      doneTitle={t.titles.resetDone}
       doneText={t.account.resetDone}
       next={{ href: "/sign-in", label: t.account.toSignIn }}
       redeem={async (mailed, password) => {

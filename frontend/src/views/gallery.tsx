@@ -30,7 +30,7 @@ export function Gallery() {
       </div>
       {known ? null : (
         <Notice kind="info">
-          {text.signUp} <Link href="/sign-up">{t.titles.signUp}</Link>
+          {text.signUp} <Link href="/sign-up">{t.account.signUp}</Link>
         </Notice>
       )}
       <GallerySearch question={question} ask={ask} />

@@ -9,7 +9,7 @@ import { CodeField } from "./code_field";
 import { Dialog } from "./dialog";
 import { CurrentPassword, EmailField } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
-import { bytesText, dateText, dayText } from "./format";
+import { bytesText, dateText, dayShortText, dayText } from "./format";
 import { Loading } from "./loading";
 import { NewPassword } from "./new_password";
 import { navigate } from "./router";
@@ -132,7 +132,7 @@ function BrowserRow({ session, end }: { readonly session: BrowserSession; readon
       <span>
         <strong>{name}</strong> {session.current ? <span class="chip chip-accent">{t.myAccount.thisOne}</span> : null}
         <span class="muted row-more">
-          {t.myAccount.since(dayText(session.created_at))}, {t.myAccount.used(dateText(session.used_at))}
+          {t.myAccount.since(dayShortText(session.created_at))}, {t.myAccount.used(dateText(session.used_at))}
         </span>
       </span>
       {session.current ? null : (

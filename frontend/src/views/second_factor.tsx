@@ -56,6 +56,10 @@ export function SecondFactor() {
     setAsking(null);
     load();
   };
+  const kept = () => {
+    setCodes(null);
+    heading.current?.focus(); // the panel is lower now, so that it might be out of sight
+  };
   return (
     <section class="panel" aria-labelledby={panelId}>
       <h2 id={panelId} ref={heading} tabIndex={-1}>
@@ -63,7 +67,7 @@ export function SecondFactor() {
       </h2>
       {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
       {state === null && !wrong ? <Loading /> : null}
-      {codes ? <RecoveryCodes codes={codes} onKept={() => setCodes(null)} /> : null}
+      {codes ? <RecoveryCodes codes={codes} onKept={kept} /> : null}
       {since === null ? <SetUp required={required} onDone={shown} /> : null}
       {state && since && !codes ? (
         <>

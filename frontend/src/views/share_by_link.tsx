@@ -18,7 +18,7 @@ export function ShareByLink({ set }: { readonly set: DataSet }) {
     <section class="share-part" aria-label={text.title}>
       <h3>{text.title}</h3>
       <p class="muted">{text.lead}</p>
-      <p>{text.sees}</p>
+      <p class="muted">{text.sees}</p>
       {links.length === 0 ? <p>{text.none}</p> : <LinkList links={links} busy={busy} end={end} />}
       {made ? <CopyField value={made} label={text.newLink} button={text.copy} onCopy={copy} /> : null}
       {outcome}

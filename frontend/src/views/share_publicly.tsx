@@ -20,7 +20,7 @@ export function SharePublicly({ set, onChange }: SharePubliclyProps) {
     <section class="share-part" aria-label={text.title}>
       <h3>{text.title}</h3>
       <p class="muted">{text.lead}</p>
-      <p>{text.sees}</p>
+      <p class="muted">{text.sees}</p>
       {set.anonymised_at === null ? (
         <AnonymiseFirst set={set} />
       ) : (

@@ -28,7 +28,6 @@ export function ShareScanDialog({ set, onChange, onClose }: ShareScanProps) {
     <Dialog title={t.sharing.title} onClose={onClose}>
       <p class="muted">{t.sharing.lead}</p>
       {set.taken_down ? <Notice kind="bad">{t.sharing.everybody.takenDown(set.taken_down.reason)}</Notice> : null}
-      <Details set={set} onChange={onChange} />
       {set.taken_down ? null : (
         <>
           <ShareWithPeople set={set} />
@@ -36,6 +35,7 @@ export function ShareScanDialog({ set, onChange, onClose }: ShareScanProps) {
           <SharePublicly set={set} onChange={onChange} />
         </>
       )}
+      <Details set={set} onChange={onChange} />
       <Views dataSetId={set.id} />
       <CloseButton onClick={onClose} />
     </Dialog>

@@ -17,7 +17,7 @@ export function ShareWithPeople({ set }: { readonly set: DataSet }) {
     <section class="share-part" aria-label={text.title}>
       <h3>{text.title}</h3>
       <p class="muted">{text.lead}</p>
-      <p>{text.sees}</p>
+      <p class="muted">{text.sees}</p>
       {people.length === 0 ? (
         <p>{text.nobody}</p>
       ) : (

@@ -41,7 +41,7 @@ export const add: Texts["add"] = {
     encrypted: (name) =>
       `„${name}“ ist mit einem Passwort geschützt. Entpacken Sie die Datei zuerst mit dem Passwort und wählen Sie dann den entpackten Ordner.`,
     damaged: (name) =>
-      `„${name}“ ist beschädigt oder unvollständig. Darum konnten nicht alle Dateien darin gelesen werden. Kopieren Sie die Datei oder laden Sie sie noch einmal herunter.`,
+      `„${name}“ ist beschädigt oder unvollständig. Darum konnten nicht alle Dateien darin gelesen werden. Kopieren Sie die Datei noch einmal, oder laden Sie sie erneut herunter.`,
     nested: (name) =>
       `„${name}“ enthält zu tief verschachtelte Archive. Entpacken Sie die Datei zuerst und wählen Sie dann den entpackten Ordner.`,
     large: (name) =>
@@ -56,7 +56,7 @@ export const add: Texts["add"] = {
   slices: (n) => count(n, "Schicht", "Schichten"),
   size: (x, y, z) => `${x.toFixed(0)} × ${y.toFixed(0)} × ${z.toFixed(0)} mm`,
   born: (date) => `geboren am ${date}`,
-  patientUnknown: "Name unbekannt",
+  patientUnknown: "Die Dateien enthalten keinen Namen",
   thumbnail: "Mittlere Schicht",
   noThumbnail: "Keine Vorschau, weil die Bilder komprimiert sind",
   title: "Ihr Name für diese Aufnahme",

@@ -19,8 +19,8 @@ export const cut: Texts["cut"] = {
     y: { low: "Vorne", high: "Hinten" },
     z: { low: "Unten", high: "Oben" },
   },
-  mm: (value) => `${value} mm`,
-  degrees: (value) => `${value}°`,
+  mm: (value) => `${value} mm`.replace("-", "−"),
+  degrees: (value) => `${value}°`.replace("-", "−"),
   goes: (percent) =>
     percent === 0
       ? "Sie haben noch nichts weggeschnitten."

@@ -1,5 +1,5 @@
 import type { Texts } from "../shape";
-import { fixed } from "./counting";
+import { number } from "./counting";
 
 export const myAccount: Texts["myAccount"] = {
   room: "Ihr Speicherplatz und Ihre Rechenzeit",
@@ -16,7 +16,7 @@ export const myAccount: Texts["myAccount"] = {
       ? `${Math.round(ms / 1000)} s`
       : minutes < 120
         ? `${Math.round(minutes)} min`
-        : `${fixed(minutes / 60, 1)} h`;
+        : `${number.format(Math.round(minutes / 6) / 10)} h`;
   },
   address: "Ihre E-Mail-Adresse",
   addressNow: (email) => `Sie melden sich mit ${email} an.`,

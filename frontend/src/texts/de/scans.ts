@@ -32,7 +32,7 @@ export const scans: Texts["scans"] = {
   rename: (title) => `${title} umbenennen`,
   renameTitle: "Aufnahme umbenennen",
   renameSave: "Speichern",
-  sampleTitles: { Head: "Kopf", "Brain of a macaque": "Gehirn eines Makaken" },
+  sampleTitles: { Cranium: "Schädel", Head: "Kopf", "Brain of a macaque": "Gehirn eines Makaken" },
   sampleTitle: "Beispielaufnahme",
   sample: "Beispiel",
   shared: "Öffentlich",

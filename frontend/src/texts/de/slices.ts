@@ -1,5 +1,5 @@
 import type { Texts } from "../shape";
-import { count, fixed } from "./counting";
+import { count, fixed, number } from "./counting";
 
 /** Writes a typographic minus. */
 const signed = (text: string): string => text.replace("-", "−");
@@ -50,7 +50,8 @@ export const slices: Texts["slices"] = {
     `Mittel ${withUnit(`${fixed(mean, 1)} ± ${fixed(deviation, 1)}`, hounsfield)}`,
   ellipseRange: (minimum, maximum, hounsfield) =>
     `${signed(String(minimum))} bis ${withUnit(String(maximum), hounsfield)}`,
-  ellipseSize: (area, pixels) => `${fixed(area, area < 100 ? 1 : 0)} mm², ${count(pixels, "Pixel", "Pixel")}`,
+  ellipseSize: (area, pixels) =>
+    `${area < 100 ? fixed(area, 1) : number.format(Math.round(area))} mm², ${count(pixels, "Pixel", "Pixel")}`,
   ellipseEmpty: "Keine Werte darin",
   held: "Aufgenommen. Umschalt und Pfeile verschieben den Punkt, die Eingabetaste legt ihn ab.",
   scale: (length) => `Maßstab: ${length}`,

@@ -8,6 +8,7 @@ export const titles: Texts["titles"] = {
   checkMail: "Prüfen Sie Ihr Postfach",
   forgot: "Passwort zurücksetzen",
   reset: "Neues Passwort wählen",
+  resetDone: "Passwort geändert",
   confirmEmail: "Ihre neue E-Mail-Adresse",
   account: "Ihr Konto",
   admin: "Verwaltung",

@@ -11,6 +11,7 @@ export const viewer: Texts["viewer"] = {
     lost: "Verbindung unterbrochen. Sie wird wiederhergestellt …",
     worker_lost: "Der Renderserver ist ausgefallen. Die Verbindung wird wiederhergestellt …",
     no_worker: "Alle Renderserver sind gerade belegt. Wir versuchen es weiter …",
+    guests_full: "Alle Plätze für Gäste sind gerade belegt. Wir versuchen es weiter …",
     unreachable: "Diaphane ist nicht erreichbar. Wir versuchen es weiter …",
     refused: "Etwas ist schiefgegangen. Wir versuchen es weiter …",
     not_ready: "Diese Aufnahme wird noch vorbereitet. Das Bild erscheint dann von selbst.",

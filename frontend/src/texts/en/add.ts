@@ -49,7 +49,7 @@ export const add = {
   slices: (n: number) => count(n, "slice", "slices"),
   size: (x: number, y: number, z: number) => `${x.toFixed(0)} × ${y.toFixed(0)} × ${z.toFixed(0)} mm`,
   born: (date: string) => `born ${date}`,
-  patientUnknown: "Name unknown",
+  patientUnknown: "The files contain no patient name",
   thumbnail: "Middle slice",
   noThumbnail: "No preview because the images are compressed",
   title: "Your name for this scan",

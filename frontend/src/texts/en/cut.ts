@@ -17,8 +17,8 @@ export const cut = {
     y: { low: "Front", high: "Back" },
     z: { low: "Bottom", high: "Top" },
   },
-  mm: (value: number) => `${value} mm`,
-  degrees: (value: number) => `${value}°`,
+  mm: (value: number) => `${value} mm`.replace("-", "−"),
+  degrees: (value: number) => `${value}°`.replace("-", "−"),
   goes: (percent: number) =>
     percent === 0 ? "You haven’t cut anything away yet." : `${percent}% of the scan will be deleted.`,
   keepAll: "Keep everything",

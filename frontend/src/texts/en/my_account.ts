@@ -1,3 +1,5 @@
+import { number } from "./counting";
+
 /** The user's account page. */
 export const myAccount = {
   room: "Your storage and rendering time",
@@ -14,7 +16,7 @@ export const myAccount = {
       ? `${Math.round(ms / 1000)} s`
       : minutes < 120
         ? `${Math.round(minutes)} min`
-        : `${(minutes / 60).toFixed(1)} h`;
+        : `${number.format(Math.round(minutes / 6) / 10)} h`;
   },
   address: "Your email address",
   addressNow: (email: string) => `You sign in with ${email}.`,

@@ -34,7 +34,9 @@ export const scans = {
   renameTitle: "Rename this scan",
   renameSave: "Save",
   /** Translated titles of the samples that come with Diaphane, by their stored titles. */
-  sampleTitles: { Head: "Head", "Brain of a macaque": "Brain of a macaque" } as Readonly<Record<string, string>>,
+  sampleTitles: { Cranium: "Skull", Head: "Head", "Brain of a macaque": "Brain of a macaque" } as Readonly<
+    Record<string, string>
+  >,
   sampleTitle: "Sample scan",
   sample: "Sample",
   shared: "Public",

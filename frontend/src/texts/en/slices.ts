@@ -1,4 +1,4 @@
-import { count, fixed } from "./counting";
+import { count, fixed, number } from "./counting";
 
 /** Writes a typographic minus. */
 const signed = (text: string): string => text.replace("-", "−");
@@ -52,7 +52,7 @@ export const slices = {
   ellipseRange: (minimum: number, maximum: number, hounsfield: boolean) =>
     `${signed(String(minimum))} to ${withUnit(String(maximum), hounsfield)}`,
   ellipseSize: (area: number, pixels: number) =>
-    `${fixed(area, area < 100 ? 1 : 0)} mm², ${count(pixels, "pixel", "pixels")}`,
+    `${area < 100 ? fixed(area, 1) : number.format(Math.round(area))} mm², ${count(pixels, "pixel", "pixels")}`,
   ellipseEmpty: "No values inside",
   held: "Picked up. Shift and the arrows move it, and Enter puts it down.",
   scale: (length: string) => `Scale: ${length}`,

@@ -7,6 +7,7 @@ export const titles = {
   checkMail: "Check your email",
   forgot: "Reset your password",
   reset: "Choose a new password",
+  resetDone: "Password changed",
   confirmEmail: "Your new email address",
   account: "Your account",
   admin: "Administration",

@@ -5,6 +5,7 @@ const troubles: Record<Trouble, string> = {
   lost: "Connection lost. Reconnecting…",
   worker_lost: "The rendering server stopped. Reconnecting…",
   no_worker: "All rendering servers are busy. Trying again…",
+  guests_full: "All places for guests are taken at the moment. Trying again…",
   unreachable: "We can’t reach Diaphane. Trying again…",
   refused: "Something went wrong. Trying again…",
   not_ready: "This scan is still being prepared. Its picture will appear automatically.",
@@ -52,7 +53,7 @@ export const viewer = {
   notMedical: "Not a medical device. Not for diagnosis.",
   visitor: {
     back: "Back",
-    invite: "Create an account",
+    invite: "Create account",
     over: "Your visit has ended",
     overText: {
       sample: "You can view a sample for 20 minutes at a time, so that others get their turn.",
