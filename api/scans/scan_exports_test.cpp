@@ -108,7 +108,7 @@ TEST_F(ScanExportsTest, AreNotDownloadedAfterThePermissionWasWithdrawn) {
   EXPECT_EQ(refusal(exports.file(shared, id)), ProblemKind::kNotFound);
 }
 
-TEST_F(ScanExportsTest, AreFoundAndRemovedByWhoMayFindTheScan) {
+TEST_F(ScanExportsTest, AreFoundAndRemovedOnlyForPeopleWhoCanFindTheScan) {
   make_ready();
   EXPECT_EQ(refusal(exports.find(stranger, id)), ProblemKind::kNotFound);
   EXPECT_EQ(refusal(exports.remove(stranger, id)), ProblemKind::kNotFound);

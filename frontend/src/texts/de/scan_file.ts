@@ -1,6 +1,8 @@
 import type { Texts } from "../shape";
 import { number } from "./counting";
 
+const signed = (value: number): string => number.format(value).replace("-", "−");
+
 export const scanFile: Texts["scanFile"] = {
   title: "Aufnahme für andere Programme exportieren",
   lead: "Erstellen Sie eine Datei, die andere Programme öffnen können: die ganze Aufnahme für Forschung und Behandlungsplanung oder ein 3D-Modell eines Teils, zum Beispiel um einen Knochen zu drucken.",
@@ -23,9 +25,8 @@ export const scanFile: Texts["scanFile"] = {
   aboveHounsfield: "Niedrigster Wert des Teils, in HE",
   aboveHintCt: "300 HE zeigt die Knochen, −300 HE die Haut.",
   aboveHint: (minimum, maximum) =>
-    `Die Werte dieser Aufnahme liegen zwischen ${number.format(minimum)} und ${number.format(maximum)}. Helleres Gewebe hat höhere Werte.`,
-  wrongAbove: (minimum, maximum) =>
-    `Geben Sie eine ganze Zahl zwischen ${number.format(minimum)} und ${number.format(maximum)} ein.`,
+    `Die Werte dieser Aufnahme liegen zwischen ${signed(minimum)} und ${signed(maximum)}. Helleres Gewebe hat höhere Werte.`,
+  wrongAbove: (minimum, maximum) => `Geben Sie eine ganze Zahl zwischen ${signed(minimum)} und ${signed(maximum)} ein.`,
   create: "Datei erstellen",
   queued: "Die Datei wird erstellt. Sie können dieses Fenster inzwischen schließen.",
   waiting:

@@ -1,11 +1,13 @@
 import { number } from "./counting";
 
+const signed = (value: number): string => number.format(value).replace("-", "−");
+
 /** Exports of a scan for other programs. */
 export const scanFile = {
   title: "Export the scan for other programs",
   lead: "Create a file that other programs can open: the whole scan for research and treatment planning, or a 3D model of a part of it, for example to print a bone.",
   warning:
-    "The file may identify the patient: a model of the skin shows the face, and so can the whole scan. Give it only to people you trust.",
+    "The file may identify the patient. A model of the skin of a head shows the face, and so can the whole scan. Give the file only to people you trust.",
   format: "Format",
   formats: {
     nifti: "Whole scan (NIfTI)",
@@ -23,9 +25,9 @@ export const scanFile = {
   aboveHounsfield: "Lowest value of the part, in HU",
   aboveHintCt: "300 HU shows the bones, −300 HU the skin.",
   aboveHint: (minimum: number, maximum: number) =>
-    `The values of this scan lie between ${number.format(minimum)} and ${number.format(maximum)}. Brighter tissue has higher values.`,
+    `The values of this scan lie between ${signed(minimum)} and ${signed(maximum)}. Brighter tissue has higher values.`,
   wrongAbove: (minimum: number, maximum: number) =>
-    `Enter a whole number between ${number.format(minimum)} and ${number.format(maximum)}.`,
+    `Enter a whole number between ${signed(minimum)} and ${signed(maximum)}.`,
   create: "Create the file",
   queued: "The file is being created. You can close this window in the meantime.",
   waiting:

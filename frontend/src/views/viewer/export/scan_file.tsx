@@ -26,7 +26,7 @@ export function ScanFile({ session, dataSetId }: ScanFileProps) {
   return (
     <>
       <p class="muted">{text.lead}</p>
-      <Notice kind="info">{text.warning}</Notice>
+      <Notice kind="warn">{text.warning}</Notice>
       {made?.state === "queued" ? (
         <div class="take-form">
           <p role="status">{made.waiting ? text.waiting : text.queued}</p>
