@@ -72,10 +72,13 @@ TEST(Surface, OfValuesFarApartHasNoEqualPoints) {
   auto volume = filled({12, 12, 12}, [](auto x, auto y, auto z) {
     return (x + y + z) % 2 == 0 ? 300 : ((x * y + z) % 3 == 0 ? 32767 : -32768);
   });
+  const auto near = make_surface(volume, {0, 300});
   volume.header.origin = {{900.5, -900.5, 1800.25}};
   const auto mesh = make_surface(volume, {0, 300});
-  ASSERT_TRUE(mesh);
+  ASSERT_TRUE(mesh && near);
   EXPECT_TRUE(is_closed(*mesh));
+  // A surface with equal points would have been replaced by that of a coarser grid.
+  EXPECT_EQ(mesh->triangles.size(), near->triangles.size());
 }
 
 TEST(Surface, IsClosedWhereItLeavesTheScan) {
