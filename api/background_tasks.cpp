@@ -41,7 +41,10 @@ BackgroundTasks::BackgroundTasks(const Backends& on, Services& services, MailTra
             }),
       count_render_time_("rendering time", at_most(2s),
                          [this] { services_.session.render_time.poll(); }),
-      make_exports_("exports", at_most(2s), [this] { services_.privacy.exports.poll(); }) {
+      make_exports_("exports", at_most(2s), [this] {
+        services_.data_set.exports.expire();
+        services_.privacy.exports.poll();
+      }) {
   on.signals.subscribe(Signal::kMail, [this] { send_mails_.wake(); });
   on.signals.subscribe(Signal::kDisposal, [this] { dispose_.wake(); });
   on.signals.subscribe(Signal::kPicture, [this] { make_pictures_.wake(); });

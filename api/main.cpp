@@ -97,6 +97,7 @@ void add_routes(RequestRouter& router, Services& services) {
   router.add(admin_routes(session.administration));
   router.add(privacy_routes(privacy.exports, privacy.deletion, router));
   router.add(data_set_routes(data_set.data_sets, picture.thumbnails));
+  router.add(scan_export_routes(data_set.exports));
   router.add(upload_routes(data_set.uploads, data_set.data_sets));
   router.add(session_routes(session.sessions));
   router.add(live_routes(shared.live_links, router));

@@ -39,7 +39,9 @@ DataSetServices::DataSetServices(const Backends& on)
                 [this] { return files.free_bytes(); }),
       // Uploads that were announced before the disk filled up may use half of the reserve.
       uploads(on.stores.data_sets, files, on.clock, on.signals, on.settings.data_sets.upload_life,
-              on.settings.data_sets.reserve_bytes / 2) {}
+              on.settings.data_sets.reserve_bytes / 2),
+      export_store(on.stores.database),
+      exports(data_sets, export_store, on.clock, on.signals, on.settings.export_total_bytes) {}
 
 SessionServices::SessionServices(const Backends& on, DataSets& data_sets)
     : render_time(on.stores.render_time, on.placed, on.placed, on.clock),

@@ -30,6 +30,8 @@
 #include "api/scans/data_set_repository.h"
 #include "api/scans/data_sets.h"
 #include "api/scans/label_repository.h"
+#include "api/scans/scan_export_repository.h"
+#include "api/scans/scan_exports.h"
 #include "api/scans/scan_labels.h"
 #include "api/scans/thumbnails.h"
 #include "api/scans/uploads.h"
@@ -99,6 +101,8 @@ struct DataSetServices {
   UploadFiles files;
   DataSets data_sets;
   Uploads uploads;
+  ScanExportRepository export_store;
+  ScanExports exports;
 };
 
 struct SessionServices {

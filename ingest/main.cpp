@@ -21,6 +21,8 @@
 #include "ingest/pipeline/checked_builder.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
+#include "ingest/pipeline/export_child.h"
+#include "ingest/pipeline/export_work.h"
 #include "ingest/pipeline/label_child.h"
 #include "ingest/pipeline/postgres_jobs.h"
 #include "ingest/pipeline/scratch.h"
@@ -42,6 +44,7 @@ struct Options {
   ingest::SandboxBuilder::Options builder;
   std::optional<ingest::CheckedBuilder::Options> antivirus;
   ingest::Worker::Options worker;
+  ingest::ExportWorker::Options exports;
 };
 
 std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in,
@@ -83,6 +86,9 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   options.worker.volume_dir = in.directory("volume-dir", "directory of the volume store");
   options.builder.scratch_dir =
       in.directory("scratch-dir", "directory for temporary files while a volume is built");
+  options.exports.export_dir = in.text(
+      "export-dir", "directory of exported scans, which api serves (empty = make no exports)", "");
+  options.exports.volume_dir = options.worker.volume_dir;
   options.admin = service::read_admin_options(in, "ingestd");
   options.builder.memory_limit_mb = static_cast<std::uint64_t>(in.integer(
       "memory-limit-mb", "address space limit per child process, in MiB", 64, 1 << 20, 6144));
@@ -100,6 +106,7 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   options.lease = std::chrono::milliseconds(
       in.integer("lease-ms", "lease time of a job between renewals, in ms", 500, 600000, 5000));
   options.worker.renew = options.lease * 3 / 10;
+  options.exports.renew = options.worker.renew;
   options.antivirus = read_antivirus(in, plain_allowed);
   options.builder.program = "/proc/self/exe";
   options.builder.volume_dir = options.worker.volume_dir;
@@ -128,6 +135,8 @@ class Lane {
     if (options.antivirus) checked_.emplace(*options.antivirus, sandbox_, malware);
     ingest::Builder& first = checked_ ? static_cast<ingest::Builder&>(*checked_) : sandbox_;
     worker_.emplace(options.worker, jobs_, first, events);
+    // Only the worker for jobs of any size makes exports, because a surface may need much memory.
+    if (light_mb == 0 && !options.exports.export_dir.empty()) make_exports(options);
     thread_ = std::thread([this] { worker_->run(); });
   }
   ~Lane() {
@@ -139,6 +148,17 @@ class Lane {
   void stop() { worker_->stop(); }
 
  private:
+  void make_exports(const Options& options) {
+    export_jobs_.emplace(ingest::PostgresExports::Options{
+        .url = options.postgres, .claimer = options.process, .lease = options.lease});
+    exports_.emplace(options.exports, *export_jobs_,
+                     [this](const ingest::ExportInput& input,
+                            const ingest::Builder::ShouldContinue& should_continue) {
+                       return sandbox_.export_scan(input, should_continue);
+                     });
+    worker_->alternate_with(
+        [this] { return exports_->work_once([this] { return worker_->is_stopping(); }); });
+  }
   static ingest::SandboxBuilder::Options with_light(ingest::SandboxBuilder::Options options,
                                                     std::uint64_t light_mb) {
     options.light_mb = light_mb;
@@ -147,6 +167,8 @@ class Lane {
   ingest::PostgresJobs jobs_;
   ingest::SandboxBuilder sandbox_;
   std::optional<ingest::CheckedBuilder> checked_;
+  std::optional<ingest::PostgresExports> export_jobs_;
+  std::optional<ingest::ExportWorker> exports_;
   std::optional<ingest::Worker> worker_;
   std::thread thread_;
 };
@@ -194,6 +216,9 @@ int main(int argc, char** argv) {
   }
   if (argc > 1 && std::string(argv[1]) == ingest::kLabelChildWord) {
     return ingest::run_label_child_with({argv + 2, argv + argc});
+  }
+  if (argc > 1 && std::string(argv[1]) == ingest::kExportChildWord) {
+    return ingest::run_export_child_with({argv + 2, argv + argc});
   }
   if (argc > 1 && std::string(argv[1]) == ingest::kCutChildWord) {
     return ingest::run_cut_child_with({argv + 2, argv + argc});

@@ -34,8 +34,9 @@ Result<void> Disposer::remove(const Disposal& disposal) {
   if (disposal.kind == Disposal::Kind::kPreset) return preset_pictures_.remove(disposal.id);
   if (disposal.kind == Disposal::Kind::kEnvironment) return environments_.dispose(disposal.id);
   std::error_code error;
-  if (disposal.kind == Disposal::Kind::kExport) {
-    std::filesystem::remove(export_directory_ + "/" + disposal.id + ".zip", error);
+  if (disposal.kind == Disposal::Kind::kExport || disposal.kind == Disposal::Kind::kScanExport) {
+    const char* ending = disposal.kind == Disposal::Kind::kExport ? ".zip" : ".scan";
+    std::filesystem::remove(export_directory_ + "/" + disposal.id + ending, error);
     if (error) return fail(ErrorCode::kUnavailable, "cannot delete the export");
     return {};
   }

@@ -46,12 +46,13 @@ TEST_F(DisposerTest, EachKindOfDataIsDeletedWithAllItsFilesAndNoOthers) {
   const std::string upload = id + ".tar", volume = "volumes/" + id + "/voxels.i16",
                     thumbnail = "thumbnails/" + id + "/bone.jpg",
                     archive = "exports/" + id + ".zip", preset = "presets/" + id + "/picture.jpg",
-                    environment = "volumes/environments/" + id + ".hdr";
-  const std::vector<std::string> all{upload, volume, thumbnail, archive, preset, environment};
+                    environment = "volumes/environments/" + id + ".hdr",
+                    scan = "exports/" + id + ".scan";
+  const std::vector<std::string> all{upload, volume, thumbnail, archive, preset, environment, scan};
   for (const Case& one :
        {Case{Disposal::Kind::kUpload, {upload}}, Case{Disposal::Kind::kVolume, {volume, thumbnail}},
         Case{Disposal::Kind::kPictures, {thumbnail}}, Case{Disposal::Kind::kExport, {archive}},
-        Case{Disposal::Kind::kPreset, {preset}},
+        Case{Disposal::Kind::kPreset, {preset}}, Case{Disposal::Kind::kScanExport, {scan}},
         Case{Disposal::Kind::kEnvironment, {environment}}}) {
     for (const std::string& file : all) disk.write(file, "data");
     queue(one.kind, id);
@@ -68,10 +69,10 @@ TEST_F(DisposerTest, EachKindOfDataIsDeletedWithAllItsFilesAndNoOthers) {
 TEST_F(DisposerTest, MissingFilesAreNotAnError) {
   for (const auto kind :
        {Disposal::Kind::kUpload, Disposal::Kind::kVolume, Disposal::Kind::kPictures,
-        Disposal::Kind::kExport, Disposal::Kind::kPreset}) {
+        Disposal::Kind::kExport, Disposal::Kind::kPreset, Disposal::Kind::kScanExport}) {
     queue(kind, new_id());
   }
-  EXPECT_EQ(disposer.dispose(), 5);
+  EXPECT_EQ(disposer.dispose(), 6);
   EXPECT_THAT(data_set_store.due, IsEmpty());
 }
 

@@ -177,7 +177,7 @@ Result<void> Exports::make(const ExportStore::Job& job) {
 
 bool Exports::sweep() {
   namespace fs = std::filesystem;
-  constexpr std::string_view kUnfinished = ".tmp-", kFinished = ".zip";
+  constexpr std::string_view kUnfinished = ".tmp-";
   std::vector<std::pair<std::string, fs::path>> files;  // with the ID of the export
   std::error_code error;
   for (fs::directory_iterator entry(options_.exports, error), end; !error && entry != end;
@@ -185,8 +185,11 @@ bool Exports::sweep() {
     std::string id = entry->path().filename();
     if (id.starts_with(kUnfinished)) {
       id.erase(0, kUnfinished.size());
-    } else if (id.ends_with(kFinished)) {
-      id.resize(id.size() - kFinished.size());
+    } else {
+      // Exports of accounts, and those of scans, which ingestd writes.
+      for (const std::string_view ending : {".zip", ".scan"}) {
+        if (id.ends_with(ending)) id.resize(id.size() - ending.size());
+      }
     }
     if (is_id(id)) files.emplace_back(std::move(id), entry->path());
   }

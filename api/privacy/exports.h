@@ -71,7 +71,7 @@ class ExportStore {
   /// Returns a queued export to the queue until `not_before`. The attempt does not count.
   virtual Result<void> wait(const std::string& id, Time not_before) = 0;
   virtual Result<void> expire(Time now) = 0;
-  /// Returns the IDs of all exports.
+  /// Returns the IDs of all exports of accounts and of scans.
   virtual Result<std::vector<std::string>> ids() = 0;
 };
 

@@ -278,7 +278,8 @@ Result<void> PrivacyRepository::expire(Time now) {
 Result<std::vector<std::string>> PrivacyRepository::ids() {
   return database_.read([](pqxx::work& transaction) -> Result<std::vector<std::string>> {
     std::vector<std::string> all;
-    for (const pqxx::row& row : transaction.exec("SELECT id FROM exports")) {
+    for (const pqxx::row& row :
+         transaction.exec("SELECT id FROM exports UNION ALL SELECT id FROM scan_exports")) {
       all.push_back(row["id"].as<std::string>());
     }
     return all;

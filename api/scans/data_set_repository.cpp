@@ -246,13 +246,14 @@ Result<int> DataSetRepository::expire_uploads(Time now) {
 
 namespace {
 
-constexpr std::array<std::pair<Disposal::Kind, const char*>, 6> kDisposals{
+constexpr std::array<std::pair<Disposal::Kind, const char*>, 7> kDisposals{
     {{Disposal::Kind::kUpload, "upload"},
      {Disposal::Kind::kVolume, "volume"},
      {Disposal::Kind::kPictures, "pictures"},
      {Disposal::Kind::kExport, "export"},
      {Disposal::Kind::kPreset, "preset"},
-     {Disposal::Kind::kEnvironment, "environment"}}};
+     {Disposal::Kind::kEnvironment, "environment"},
+     {Disposal::Kind::kScanExport, "scan-export"}}};
 
 }  // namespace
 

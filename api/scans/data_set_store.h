@@ -150,7 +150,8 @@ struct Disposal {
     kPictures,
     kExport,
     kPreset,
-    kEnvironment
+    kEnvironment,
+    kScanExport
   } kind = Kind::kUpload;
   std::string id;
 };

@@ -222,6 +222,15 @@ Outcome<void> DataSets::note_view(const std::string& id, const View& view) {
   return {};
 }
 
+Outcome<void> DataSets::note_export_downloaded(const Principal& who, const std::string& id) {
+  const auto now = clock_.wall();
+  const auto done = store_.note_access(
+      {AuditActor::kPerson, who.user_id, "data-set.export-downloaded", "data_set", id, {}},
+      now - kSameView, now);
+  if (!done) return refuse(done.error());
+  return {};
+}
+
 Outcome<ViewPage> DataSets::views(const Principal& who, const std::string& id, ViewQuery query) {
   DIAPHANE_TRY(authorise(who, id, Action::kReadViews));
   const int limit = query.limit++;

@@ -1,6 +1,7 @@
 #include "ingest/pipeline/builder.h"
 
 #include <fcntl.h>
+#include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -21,6 +22,8 @@
 #include "common/try.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
+#include "ingest/pipeline/export_child.h"
+#include "ingest/pipeline/export_jobs.h"
 #include "ingest/pipeline/label_child.h"
 #include "volume/frame_of_reference.h"
 #include "volume/header.h"
@@ -140,6 +143,26 @@ Result<void> take_labels(int fd, const volume::Header& scan, Build& build) {
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kOutOfMemory, "not enough memory for the labels");
   }
+  return {};
+}
+
+/// Copies the file that the child wrote to a new file at `path`.
+Result<void> copy_export(int fd, const std::string& path, Build& build) {
+  const Fd to(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644));
+  if (!to) return fail(ErrorCode::kUnavailable, "the export directory is not writable");
+  off_t at = 0;
+  for (;;) {
+    constexpr std::size_t kPiece = std::size_t{1} << 30;
+    const ssize_t sent = sendfile(to.get(), fd, &at, kPiece);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0) {
+      const bool full = errno == ENOSPC || errno == EDQUOT;
+      return fail(full ? ErrorCode::kTooLarge : ErrorCode::kUnavailable,
+                  full ? "the disk is full" : "cannot write the export");
+    }
+    if (sent == 0) break;
+  }
+  build.written = static_cast<std::uint64_t>(at);
   return {};
 }
 
@@ -274,6 +297,31 @@ Result<Build> SandboxBuilder::place_labels(const LabelInput& labels,
       should_continue);
 }
 
+Result<Build> SandboxBuilder::export_scan(const ExportInput& input,
+                                          const ShouldContinue& should_continue) {
+  auto header = volume::to_json(input.header);
+  DIAPHANE_TRY(header);
+  const char* name = "/voxels.i16";
+  if (input.order.label)
+    name = *input.order.label == volume::kBrainNumber ? "/labels" : "/label_set";
+  const std::string source = input.volume_directory + name;
+  const Fd file(open(source.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!file && errno == ENOENT && input.order.label) {
+    Build none;
+    none.verdict = refused("nothing_inside", "This scan has no such label.");
+    return none;
+  }
+  if (!file) return fail(ErrorCode::kUnavailable, "cannot open the stored volume");
+  const std::uint64_t room =
+      std::min(free_bytes(options_.scratch_dir, options_.reserve_mb * kMb),
+               free_bytes(input.path.substr(0, input.path.rfind('/')), options_.reserve_mb * kMb));
+  if (input.header.voxel_count() * sizeof(std::int16_t) > room) return no_room();
+  return run(
+      file.get(), kExportChildWord, {*std::move(header), to_text(input.order)},
+      [&](int output, Build& build) { return copy_export(output, input.path, build); },
+      should_continue);
+}
+
 Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::string> more,
                                   const TakeOutput& take_output,
                                   const ShouldContinue& should_continue) {
@@ -355,6 +403,13 @@ int run_label_child_with(const std::vector<std::string>& arguments) {
   std::uint64_t quota = 0;
   if (arguments.size() != 4 || !read_limits(arguments, sandbox, quota)) return kUsage;
   return run_label_child_main(arguments[3], sandbox);
+}
+
+int run_export_child_with(const std::vector<std::string>& arguments) {
+  SandboxLimits sandbox;
+  std::uint64_t quota = 0;
+  if (arguments.size() != 5 || !read_limits(arguments, sandbox, quota)) return kUsage;
+  return run_export_child_main(arguments[3], arguments[4], sandbox);
 }
 
 int run_cut_child_with(const std::vector<std::string>& arguments) {

@@ -11,6 +11,7 @@
 #include "common/result.h"
 #include "common/sandbox/sandbox.h"
 #include "ingest/dicom/scan.h"
+#include "ingest/export/export_scan.h"
 #include "ingest/pipeline/report.h"
 #include "volume/region.h"
 #include "volume/volume.h"
@@ -30,6 +31,7 @@ struct Build {
   bool too_large = false;  ///< exceeds BuildBounds::light_bytes
   /// The upload's file is missing from a directory in which others were found.
   bool file_missing = false;
+  std::uint64_t written = 0;  ///< bytes of the exported file (SandboxBuilder::export_scan)
   double seconds = 0;
   std::uint64_t peak_bytes = 0;  ///< peak memory of the child
 };
@@ -51,6 +53,14 @@ struct CutInput {
 struct LabelInput {
   std::string path;
   volume::Header scan;
+};
+
+/// A stored volume to export, and the new file for it.
+struct ExportInput {
+  std::string volume_directory;
+  volume::Header header;  ///< as stored
+  ExportOrder order;
+  std::string path;
 };
 
 /// Builds a volume from an upload, cuts a stored volume, or places labels on its grid. Whatever the
@@ -91,6 +101,9 @@ class SandboxBuilder final : public Builder {
   Result<Build> cut(const CutInput& input, const ShouldContinue& should_continue) override;
   Result<Build> place_labels(const LabelInput& input,
                              const ShouldContinue& should_continue) override;
+  /// Writes an export of a stored volume to `input.path`. Refuses an order that is not possible.
+  /// The errors are those of build(), and then a part of the file may remain.
+  Result<Build> export_scan(const ExportInput& input, const ShouldContinue& should_continue);
 
  private:
   /// Reads what the child wrote to the file, if its verdict is "ready".
@@ -112,5 +125,6 @@ class SandboxBuilder final : public Builder {
 int run_child_with(const std::vector<std::string>& arguments);
 int run_cut_child_with(const std::vector<std::string>& arguments);
 int run_label_child_with(const std::vector<std::string>& arguments);
+int run_export_child_with(const std::vector<std::string>& arguments);
 
 }  // namespace diaphane::ingest

@@ -5,10 +5,9 @@
 
 #include "common/ids.h"
 #include "common/log.h"
-#include "common/postgres/connection.h"
-#include "common/postgres/sql_fault.h"
 #include "common/try.h"
 #include "ingest/pipeline/moved_scene.h"
+#include "ingest/pipeline/postgres_link.h"
 #include "ingest/pipeline/report.h"
 #include "volume/header.h"
 
@@ -129,9 +128,9 @@ Job job_of(const pqxx::row& row) {
 
 }  // namespace
 
-struct PostgresJobs::Impl {
+struct PostgresJobs::Impl : PostgresLink {
   explicit Impl(Options options)
-      : url(std::move(options.url)),
+      : PostgresLink(std::move(options.url)),
         claimer(std::move(options.claimer)),
         process(std::move(options.process)),
         lease_seconds(seconds_of(options.lease)),
@@ -139,54 +138,12 @@ struct PostgresJobs::Impl {
         longest_pause_seconds(seconds_of(options.longest_pause)),
         light_bytes(static_cast<std::int64_t>(options.light_bytes)) {}
 
-  static constexpr postgres::Patience kPatience{};
-  std::string url;
   std::string claimer;
   std::string process;
   double lease_seconds;
   double first_pause_seconds;
   double longest_pause_seconds;
   std::int64_t light_bytes;
-  SocketDeadlines deadlines{};  ///< outlives the connection
-  std::unique_ptr<pqxx::connection> connection{};
-  std::string last_state{};  ///< SQLSTATE of the last error, to log a repeated one only once
-
-  pqxx::connection& connected() {
-    if (connection) return *connection;
-    connection = postgres::connect(url, "ingestd", kPatience, deadlines);
-    return *connection;
-  }
-
-  /// Runs `work` in its own transaction and commits it. Ends within seconds even if Postgres is
-  /// frozen.
-  template <typename Work>
-  auto transact(Work work, postgres::CallSite where = postgres::CallSite::current())
-      -> Result<decltype(work(std::declval<pqxx::work&>()))> {
-    try {
-      pqxx::connection& used = connected();
-      const SocketDeadlines::Guard guard(deadlines, used.sock(),
-                                         std::chrono::steady_clock::now() + kPatience.answer);
-      pqxx::work transaction(used);
-      auto value = work(transaction);
-      transaction.commit();
-      return value;
-    } catch (const pqxx::broken_connection&) {
-    } catch (const pqxx::in_doubt_error&) {
-      // The commit may or may not have succeeded. The caller retries, and every operation here is
-      // idempotent.
-    } catch (const pqxx::sql_error& error) {
-      const std::string& state = error.sqlstate();
-      const bool passing = state.starts_with("57") || state.starts_with("53") ||
-                           state.starts_with("08") || state.starts_with("40") || state == "55P03";
-      if (!passing && state != last_state) {
-        log::error("sql_error", {{"reason", postgres::SqlFault(error, where).what()}});
-      }
-      last_state = state;
-    } catch (const pqxx::failure&) {
-    }
-    connection.reset();
-    return fail(ErrorCode::kUnavailable, "Postgres is unavailable");
-  }
 
   static void refuse(pqxx::work& transaction, const Job& job, const std::string& code,
                      const std::string& text) {

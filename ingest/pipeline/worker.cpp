@@ -94,7 +94,9 @@ void Worker::run() {
       if (auto queue = jobs_.queue()) events_.queue(*queue);
       next_count = Clock::now() + std::chrono::seconds(2);
     }
-    if (!work_once()) pause(options_.poll);
+    const bool worked = work_once();
+    const bool worked_elsewhere = !stopping_ && other_work_ && other_work_();
+    if (!worked && !worked_elsewhere) pause(options_.poll);
   }
 }
 

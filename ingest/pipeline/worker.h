@@ -50,6 +50,10 @@ class Worker {
 
   /// Runs until stop(). A build then has `drain` to end before its job is requeued.
   void run();
+  /// Makes run() call `other` after each job, or when there is none. `other` returns whether it
+  /// found work, and ends early once is_stopping() returns true.
+  void alternate_with(std::function<bool()> other) { other_work_ = std::move(other); }
+  bool is_stopping() const { return stopping_; }
   /// Processes one job if there is one, and returns whether there was. For tests.
   bool work_once();
   void stop() { stopping_ = true; }
@@ -95,6 +99,7 @@ class Worker {
   JobStore& jobs_;
   Builder& builder_;
   WorkerEvents events_;
+  std::function<bool()> other_work_;
   std::atomic<bool> stopping_{false};
   SteadyTime stop_requested_{};
   bool postgres_available_ = true;

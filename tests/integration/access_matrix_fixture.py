@@ -226,11 +226,30 @@ class World:
         self.stack.psql("""INSERT INTO exports (id, user_id, state, bytes, created_at, expires_at)
                            VALUES (%s, %s, %s, 3, now(), now() + interval '1 day')
                            ON CONFLICT (user_id) DO UPDATE SET id = EXCLUDED.id, state = EXCLUDED.state""", export, one.known_id, state)
-        folder = self.stack.data_dir / "cache" / "exports"
-        folder.mkdir(exist_ok=True)
-        (folder / f"{export}.zip").write_bytes(b"zip")
-        for path in (folder / f"{export}.zip", folder):
-            self.stack.stack.run_as.own(path)
+        put_export_file(self.stack, f"{export}.zip", b"zip")
+
+    def no_scan_export_of(self, one: Person) -> None:
+        self.stack.psql("DELETE FROM scan_exports WHERE user_id = %s", getattr(one, "known_id", None))
+
+    def scan_export_of(self, one: Person, state: str) -> None:
+        """Gives this user an export of the scan, as ingestd leaves it."""
+        if not hasattr(one, "known_id"):
+            return
+        export = str(uuid.uuid4())
+        self.no_scan_export_of(one)
+        self.stack.psql("""INSERT INTO scan_exports (id, user_id, data_set_id, format, state, bytes, created_at, expires_at)
+                           VALUES (%s, %s, %s, 'nifti', %s, 3, now(), now() + interval '1 day')""",
+                        export, one.known_id, self.data_set_id(), state)
+        put_export_file(self.stack, f"{export}.scan", b"nii")
+
+
+def put_export_file(stack: TestStack, name: str, content: bytes) -> None:
+    """Stores the file of an export as api and ingestd do."""
+    folder = stack.data_dir / "cache" / "exports"
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_bytes(content)
+    for path in (folder / name, folder):
+        stack.stack.run_as.own(path)
 
 
 def put_picture(stack: TestStack, preset: str, content: bytes = b"\xff\xd8\xff") -> Path:
@@ -277,6 +296,7 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "createRecording": lambda world, who: RECORDING,
     "anonymise": lambda world, who: {"keep": KEEP, "volume_hash": world.volume_hash(), "confirm": "this cannot be undone"},
     "addLabels": lambda world, who: {"bytes": 10},
+    "requestScanExport": lambda world, who: {"format": "stl", "above": 300},
     "describeDataSet": lambda world, who: {"title": "Another"},
     "setVisibility": lambda world, who: {"visibility": "private"},
     "shareWithPerson": lambda world, who: {"email": f"friend-{uuid.uuid4().hex}@example.org", "may": "view"},
@@ -330,6 +350,10 @@ before: dict[str, Callable[[World, Person], None]] = {
     "getExport": lambda world, who: world.export_of(who, "queued"),
     "deleteExport": lambda world, who: world.export_of(who, "ready"),
     "downloadExport": lambda world, who: world.export_of(who, "ready"),
+    "requestScanExport": lambda world, who: world.no_scan_export_of(who),
+    "getScanExport": lambda world, who: world.scan_export_of(who, "queued"),
+    "deleteScanExport": lambda world, who: world.scan_export_of(who, "ready"),
+    "downloadScanExport": lambda world, who: world.scan_export_of(who, "ready"),
     "createTicket": lambda world, who: able_to_render(world.stack),
     "createVisit": lambda world, who: able_to_render(world.stack),
     "voteForPreset": lambda world, who: world.publish(),

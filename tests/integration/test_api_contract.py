@@ -13,7 +13,7 @@ import pytest
 from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_attempts, link_token, make_ready, one, person,  # noqa: F401
                         problem, put_thumbnail, remove_worker, signed_up)
 from cut_helpers import KEEP, store
-from access_matrix_fixture import put_picture
+from access_matrix_fixture import put_export_file, put_picture
 from panoramas import hdr
 from seeds import PRIVACY_NOTICE
 
@@ -215,6 +215,17 @@ def annotation_ways(one, data_set: str) -> None:
     one.http.delete(f"{path}/{saved['id']}")
 
 
+def export_ways(one, data_set: str) -> None:
+    """Without ingestd, so the file is put there."""
+    path = f"/v1/data-sets/{data_set}/export"
+    one.http.post(path, json={"format": "nifti"})
+    one.http.get(path)
+    [(name,)] = one.stack.psql("UPDATE scan_exports SET state = 'ready', bytes = 3 WHERE user_id = %s RETURNING id::text", one.id)
+    put_export_file(one.stack, f"{name}.scan", b"nii")
+    one.http.get(f"{path}/file")
+    one.http.delete(path)
+
+
 def preset_ways(stack, one, data_set: str) -> None:
     presets = f"/v1/data-sets/{data_set}/presets"
     saved = one.http.post(presets, json={"name": "a", "scene": CONTRACT.spec["components"]["schemas"]["Scene"]["example"]})
@@ -275,6 +286,7 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     one.http.delete(f"/v1/data-sets/{made}/labels")
     preset_ways(api, one, made)
     annotation_ways(one, made)
+    export_ways(one, made)
     one.http.get(f"/v1/data-sets/{made}/anonymise")
     to_cut = one.data_set(100)["data_set"]["id"]
     make_ready(api, to_cut)

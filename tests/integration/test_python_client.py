@@ -14,6 +14,7 @@ import nibabel
 import numpy as np
 import phantom
 import pytest
+import trimesh
 from api_client import PASSWORD, Person, person
 from diaphane import AuthenticationError, Diaphane, ForbiddenError, NotFoundError, ScanError, StreamError
 from google.protobuf import json_format
@@ -119,6 +120,18 @@ def test_a_nifti_file_can_be_uploaded(server, tmp_path):
     assert made.data["volume"]["size"] == [phantom.SIDE, phantom.SIDE, phantom.SLICES]
     assert made.slice("axial", 20).values.max() == 1100
     made.delete()
+
+
+def test_a_scan_can_be_exported(scan, tmp_path):
+    image = nibabel.load(scan.export(tmp_path / "scan.nii.gz"))
+    # The voxels are stored with x fastest, and the phantom has z first.
+    assert np.array_equal(np.asarray(image.dataobj).transpose(2, 1, 0), phantom.values())
+    assert trimesh.load(scan.export(tmp_path / "bone.glb", above=500), force="mesh").is_watertight
+    with pytest.raises(ScanError) as caught:
+        scan.export(tmp_path / "nothing.stl", above=32000)
+    assert caught.value.code == "nothing_inside" and not (tmp_path / "nothing.stl").exists()
+    with pytest.raises(ValueError, match="must end with"):
+        scan.export(tmp_path / "scan.obj")
 
 
 def test_a_refused_scan_says_why(server, tmp_path):

@@ -95,6 +95,7 @@ def _add_scans(command: _Commands) -> None:
                                 help="grant or revoke the administrator role, list all administrators, or turn off a user's second factor")
     administrators.add_argument("email", nargs="?", metavar="EMAIL", help="confirmed email address of the account (not used by list)")
     command("scan", "run_binary.scan", "list the series in a folder or an archive and say which are suitable (FOLDER or FILE.zip [--json] [--build VOLUME])", rest=True)
+    command("export", "run_binary.export", "write a scan as NIfTI, or a part of it as STL or glTF (INPUT OUTPUT ..., see --help)", rest=True)
     command("render", "run_binary.render", "render a picture without a server (INPUT ..., see --help)", rest=True)
     command("replay", "replay.run", "replay a recorded interaction (FILE, and --link LINK or --scan SCAN --out FOLDER)", rest=True)
 

@@ -16,7 +16,7 @@ from .console import CliError, say, step
 CHART = paths.REPO / "helm" / "diaphane"
 LIMIT = 600_000_000
 #: Tools for users in a pod, besides the chart's programs, if the build contains them.
-_TOOLS = ("diaphane-scan", "diaphane-render", "diaphane-sample")
+_TOOLS = ("diaphane-scan", "diaphane-export", "diaphane-render", "diaphane-sample")
 _NGINX = Path("/usr/sbin/nginx")
 #: Modules that the edge's configuration loads, and Debian's packages with the Lua files that the second one needs.
 NGINX_MODULES = (Path("/usr/lib/nginx/modules/ndk_http_module.so"), Path("/usr/lib/nginx/modules/ngx_http_lua_module.so"))

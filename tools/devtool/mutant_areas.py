@@ -43,7 +43,7 @@ AREAS = {
                          ("api/sharing", _integration("api_sharing", "live_sessions", "access_matrix")),
                          ("api/scans", _integration("api_uploads", "anonymise", "api_sharing", "access_matrix")),
                          ("api", _integration("api_accounts", "api_sharing", "api_sessions", "api_uploads", "privacy", "api_faults")))),
-    "ingest": Area(("ingest/dicom", "ingest/build", "ingest/pipeline", "ingest/body", "ingest/head"), mutations.COMPILED, ("ingest_",),
+    "ingest": Area(("ingest/dicom", "ingest/build", "ingest/export", "ingest/pipeline", "ingest/body", "ingest/head"), mutations.COMPILED, ("ingest_",),
                    deep=(("ingest", _integration("ingest_pipeline", "ingest_cases", "hostile", "anonymise_job", "ingest_scan")),)),
     "operator": Area(("operator/plan",), mutations.COMPILED, ("operator_",)),
     "page": Area(("frontend/src",), mutations.SCRIPTS, without=("frontend/src/texts", "frontend/src/style", "frontend/src/protocol/gen"),

@@ -164,7 +164,8 @@ def migrate(s: Settings) -> tuple[list[str], dict[str, str]]:
 def _ingestd(s: Settings) -> Program:
     binary = s.layout.bin / "diaphane-ingestd"
     env = _own(s, postgres=s.dsn, upload_dir=s.data / "uploads", volume_dir=s.data / "volumes",
-               scratch_dir=s.data / "scratch", admin_port=s.ports["ingestd-admin"])
+               scratch_dir=s.data / "scratch", export_dir=s.data / "cache" / "exports",
+               admin_port=s.ports["ingestd-admin"])
     return Program(
         name="ingestd", argv=(str(binary),), port=s.ports["ingestd-admin"], tier=1, requires=(binary,), nice=10,
         # Uses only some cores, so that others are free for work that a user waits for, like the

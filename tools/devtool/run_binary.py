@@ -27,6 +27,10 @@ def scan(rest: list[str]) -> int:
     return _with_archives("diaphane-scan", rest)
 
 
+def export(rest: list[str]) -> int:
+    return _with_archives("diaphane-export", rest)
+
+
 def render(rest: list[str]) -> int:
     return _with_archives("diaphane-render", rest)
 

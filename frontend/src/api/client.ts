@@ -2,6 +2,7 @@ import { ApiTokensApi } from "./api_tokens";
 import { AnnotationsApi } from "./annotations";
 import { AnonymiseApi } from "./anonymise";
 import { EnvironmentsApi } from "./environments";
+import { ScanExportsApi } from "./scan_exports";
 import { SecondFactorApi } from "./second_factor";
 import { PresetsApi, SharingApi } from "./sharing";
 import { language } from "../texts";
@@ -274,6 +275,7 @@ export class Api {
   readonly anonymise = new AnonymiseApi((...call) => this.send(...call));
   readonly tokens = new ApiTokensApi((...call) => this.send(...call));
   readonly secondFactor = new SecondFactorApi((...call) => this.send(...call));
+  readonly scanExports = new ScanExportsApi((...call) => this.send(...call));
   readonly annotations = new AnnotationsApi((...call) => this.send(...call));
   readonly presets = new PresetsApi((...call) => this.send(...call));
   readonly environments = new EnvironmentsApi((...call) => this.send(...call));

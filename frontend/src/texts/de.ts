@@ -17,6 +17,7 @@ import { marks } from "./de/marks";
 import { presets } from "./de/presets";
 import { problems } from "./de/problems";
 import { recording } from "./de/recording";
+import { scanFile } from "./de/scan_file";
 import { scans } from "./de/scans";
 import { secondFactor } from "./de/second_factor";
 import { settings } from "./de/settings";
@@ -46,6 +47,7 @@ export const de: Texts = {
   presets,
   problems,
   recording,
+  scanFile,
   scans,
   secondFactor,
   settings,

@@ -48,7 +48,9 @@ export function SharePublicly({ set, onChange }: SharePubliclyProps) {
               allow({ ...allowed, downloads }, downloads ? text.downloadsAllowed : text.downloadsEnded)
             }
           />
-          <p class="field-hint">{t.sharing.downloadsHint}</p>
+          <p class="field-hint">
+            {t.sharing.downloadsHint} {t.sharing.exportHint}
+          </p>
           <p>
             {set.is_public ? (
               <button type="button" class="button button-danger" disabled={busy} onClick={hide}>

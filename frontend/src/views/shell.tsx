@@ -193,12 +193,12 @@ export function Notice({
   kind,
   children,
 }: {
-  readonly kind: "bad" | "info" | "good";
+  readonly kind: "bad" | "warn" | "info" | "good";
   readonly children: ComponentChildren;
 }) {
   return (
     <p class={`notice notice-${kind}`} role={kind === "bad" ? "alert" : "status"}>
-      <Icon name={kind === "bad" ? "alert" : kind === "good" ? "check" : "shield"} />
+      <Icon name={kind === "bad" || kind === "warn" ? "alert" : kind === "good" ? "check" : "shield"} />
       <span>{children}</span>
     </p>
   );

@@ -127,6 +127,32 @@ class Scan:
         """Deletes the scan and everything saved with it. This cannot be undone."""
         self._api.call("deleteDataSet", data_set_id=self.id)
 
+    def export(self, path: str | Path, label: int | None = None, above: int | None = None, timeout: float = 600,
+               interval: float = 0.5) -> Path:
+        """Saves the scan as a file for other programs, and returns its path.
+
+        The name decides the format. `.nii.gz` contains all voxels. `.stl` and `.glb` contain the surface of a label, by its
+        number, or of all voxels with at least the value `above`. The file may identify a person: a surface of the skin shows
+        the face.
+        """
+        path = Path(path)
+        name = path.name.lower()
+        formats = [kind for ending, kind in ((".nii.gz", "nifti"), (".stl", "stl"), (".glb", "glb")) if name.endswith(ending)]
+        if not formats:
+            raise ValueError("the file's name must end with .nii.gz, .stl or .glb")
+        order = {"format": formats[0], "label": label, "above": above}
+        self._api.json("requestScanExport", data_set_id=self.id, body=order)
+        deadline = time.monotonic() + timeout
+        while (made := self._api.json("getScanExport", data_set_id=self.id, wait=30))["state"] == "queued":
+            if time.monotonic() >= deadline:
+                raise WaitedTooLong(f"the export is not ready after {timeout:g} s")
+            time.sleep(interval)
+        if made["problem"]:
+            raise ScanError(made["problem"]["code"], made["problem"]["text"])
+        path.write_bytes(self._api.call("downloadScanExport", data_set_id=self.id, wait=30).content)
+        self._api.call("deleteScanExport", data_set_id=self.id)
+        return path
+
     def session(self, width: int = 512, height: int = 512, timeout: float = 600) -> Session:
         """Opens a session, in which several pictures are rendered faster."""
         if self.state != "ready":

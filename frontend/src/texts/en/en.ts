@@ -16,6 +16,7 @@ import { presets } from "./presets";
 import { myAccount } from "./my_account";
 import { problems } from "./problems";
 import { recording } from "./recording";
+import { scanFile } from "./scan_file";
 import { scans } from "./scans";
 import { secondFactor } from "./second_factor";
 import { settings } from "./settings";
@@ -45,6 +46,7 @@ export const en = {
   myAccount,
   problems,
   recording,
+  scanFile,
   scans,
   secondFactor,
   settings,

@@ -3,6 +3,7 @@ import type { Role } from "../../live/role";
 import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { ShareScanDialog } from "../share_scan";
+import { useApp } from "../state";
 import { ExportDialog } from "./export/export_dialog";
 import type { Shot } from "./export/shot";
 import { HelpDialog, type HelpDialogProps } from "./help_dialog";
@@ -54,10 +55,14 @@ function buttonsOf(session: ViewerSession | null, own: boolean, set: DataSet | n
 type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "shot" | "close"> & { readonly session: ViewerSession };
 
 function ExportOfPicture({ session, role, shot, close }: ExportOfPictureProps) {
+  const app = useApp();
+  const downloads = session.audience.value?.downloads ?? !role.guest;
+  const hasAccount = Boolean(app.me.value) && !role.guest;
   return (
     <ExportDialog
       session={session}
-      rendered={session.audience.value?.downloads ?? !role.guest}
+      rendered={downloads}
+      exportable={hasAccount && downloads && session.slices.available.value}
       guest={role.guest}
       busy={shot.state?.kind === "rendering"}
       onExport={(order) => {

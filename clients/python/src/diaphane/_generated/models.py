@@ -149,6 +149,36 @@ NewPassword: TypeAlias = str
 """
 
 
+class Problem(TypedDict):
+    """
+    Why it failed, in state `failed`.
+    """
+
+    code: str
+    text: str
+
+
+class ScanExport(TypedDict):
+    state: Literal['queued', 'ready', 'failed']
+    waiting: bool
+    """
+    In state `queued`: it waits for disk space or memory.
+    """
+    format: Literal['nifti', 'stl', 'glb']
+    label: int | None
+    above: int | None
+    bytes: int | None
+    """
+    Size of the file
+    """
+    problem: Problem | None
+    """
+    Why it failed, in state `failed`.
+    """
+    created_at: str
+    expires_at: str
+
+
 class Export(TypedDict):
     state: Literal['queued', 'ready', 'failed']
     waiting: bool
@@ -297,7 +327,7 @@ class Error(TypedDict):
     message: str
 
 
-class Problem(TypedDict):
+class Problem1(TypedDict):
     type: str
     """
     `urn:diaphane:problem:` and one of invalid, bad-request, unauthenticated, wrong-credentials, code-needed, wrong-code, disabled, csrf,

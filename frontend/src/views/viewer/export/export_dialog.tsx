@@ -6,6 +6,7 @@ import { Dialog } from "../../dialog";
 import { VideoForm } from "./video_form";
 import { LinkPart } from "./link_part";
 import { PictureForm } from "./picture_form";
+import { ScanFile } from "./scan_file";
 import type { ExportOrder } from "./shot";
 
 export interface ExportDialogProps {
@@ -14,13 +15,15 @@ export interface ExportDialogProps {
   readonly rendered: boolean;
   /** Whether the viewer is a guest of someone's session, who gets only the picture on the screen. */
   readonly guest: boolean;
+  /** Whether the owner of the scan allows exporting it, and the viewer has an account. */
+  readonly exportable: boolean;
   /** Whether a file is being rendered already. */
   readonly busy: boolean;
   readonly onExport: (order: ExportOrder) => void;
   readonly onClose: () => void;
 }
 
-export function ExportDialog({ session, rendered, guest, busy, onExport, onClose }: ExportDialogProps) {
+export function ExportDialog({ session, rendered, guest, exportable, busy, onExport, onClose }: ExportDialogProps) {
   const text = t.take;
   const [what, setWhat] = useState<keyof typeof text.kinds>("picture");
   return (
@@ -43,6 +46,12 @@ export function ExportDialog({ session, rendered, guest, busy, onExport, onClose
           <VideoForm key={what} session={session} kind={what} busy={busy} onExport={onExport} />
         )}
       </section>
+      {exportable && session.dataSetId !== null ? (
+        <section class="share-part" aria-labelledby="take-scan">
+          <h3 id="take-scan">{t.scanFile.title}</h3>
+          <ScanFile session={session} dataSetId={session.dataSetId} />
+        </section>
+      ) : null}
       {session.dataSetId !== null ? (
         <section class="share-part" aria-labelledby="take-link">
           <h3 id="take-link">{text.link}</h3>

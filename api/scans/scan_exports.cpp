@@ -1,0 +1,103 @@
+#include "api/scans/scan_exports.h"
+
+#include "common/ids.h"
+#include "common/try.h"
+
+namespace diaphane::api {
+namespace {
+
+tl::unexpected<Problem> none() {
+  return refuse(ProblemKind::kNotFound, "There is no export of this scan. Request one first.");
+}
+
+tl::unexpected<Problem> not_ready() {
+  return refuse(ProblemKind::kNotReady, "This scan is not ready yet.");
+}
+
+}  // namespace
+
+Outcome<DataSet> ScanExports::find_exportable(const Principal& who,
+                                              const std::string& data_set_id) {
+  auto found = data_sets_.find_ready(who, data_set_id);
+  DIAPHANE_TRY(found);
+  // An export contains every value, like exact slices, and leaves with the user, like a video.
+  const Permissions allowed = found->allowed();
+  if (!allowed.downloads || !allowed.slices) {
+    return refuse(ProblemKind::kForbidden,
+                  "Exporting needs the owner's permission for slices and downloads of this scan.");
+  }
+  return found;
+}
+
+Outcome<ScanExport> ScanExports::request(const Principal& who, const std::string& data_set_id,
+                                         const ScanExportOrder& order) {
+  DIAPHANE_TRY(find_exportable(who, data_set_id));
+  const Time now = clock_.wall();
+  ScanExport made{.id = new_id(),
+                  .data_set_id = data_set_id,
+                  .order = order,
+                  .state = "queued",
+                  .problem_code = {},
+                  .problem_text = {},
+                  .created_at = now,
+                  .expires_at = now + kLife};
+  const auto done = store_.request(who.user_id, made, most_bytes_);
+  if (!done) return refuse(done.error());
+  switch (*done) {
+    case ScanExportStore::Request::kMade:
+      break;
+    case ScanExportStore::Request::kBusy:
+      return refuse(ProblemKind::kTooMany,
+                    "Another export of yours is being created. Wait until it is ready, or delete "
+                    "it.",
+                    std::chrono::seconds(10));
+    case ScanExportStore::Request::kFull:
+      return refuse(ProblemKind::kStorageFull,
+                    "The server's storage for exports is full at the moment. Try again later.",
+                    std::chrono::minutes(10));
+    case ScanExportStore::Request::kNotReady:
+      return not_ready();
+  }
+  signals_.raise(Signal::kDisposal);
+  return made;
+}
+
+Outcome<ScanExport> ScanExports::find(const Principal& who, const std::string& data_set_id) {
+  DIAPHANE_TRY(data_sets_.find(who, data_set_id));
+  auto found = store_.find(who.user_id, data_set_id, clock_.wall());
+  if (!found) return refuse(found.error());
+  if (!*found) return none();
+  return **std::move(found);
+}
+
+Outcome<void> ScanExports::remove(const Principal& who, const std::string& data_set_id) {
+  DIAPHANE_TRY(data_sets_.find(who, data_set_id));
+  const auto done = store_.remove(who.user_id, data_set_id);
+  if (!done) return refuse(done.error());
+  if (!*done) return none();
+  signals_.raise(Signal::kDisposal);
+  return {};
+}
+
+Outcome<ScanExports::File> ScanExports::file(const Principal& who, const std::string& data_set_id) {
+  // The permission may have been withdrawn since the request.
+  const auto scan = find_exportable(who, data_set_id);
+  DIAPHANE_TRY(scan);
+  const auto found = find(who, data_set_id);
+  DIAPHANE_TRY(found);
+  if (found->state != "ready") {
+    return refuse(ProblemKind::kNotReady, "The export is not ready yet.");
+  }
+  DIAPHANE_TRY(
+      data_sets_.note_view(data_set_id, {route_of(who, *scan), who.user_id, "", who.client}));
+  DIAPHANE_TRY(data_sets_.note_export_downloaded(who, data_set_id));
+  const std::string& format = found->order.format;
+  File file{found->id + ".scan", "scan.nii.gz", "application/gzip"};
+  if (format == "stl") file = {file.stored, "surface.stl", "model/stl"};
+  if (format == "glb") file = {file.stored, "surface.glb", "model/gltf-binary"};
+  return file;
+}
+
+void ScanExports::expire() { (void)store_.expire(clock_.wall()); }
+
+}  // namespace diaphane::api

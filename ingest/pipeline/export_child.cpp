@@ -1,0 +1,125 @@
+#include "ingest/pipeline/export_child.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <vector>
+
+#include "common/sandbox/supervisor.h"
+#include "common/try.h"
+#include "ingest/export/export_scan.h"
+#include "ingest/pipeline/child.h"
+#include "ingest/pipeline/export_jobs.h"
+#include "ingest/pipeline/report.h"
+#include "volume/header.h"
+#include "volume/labels.h"
+
+namespace diaphane::ingest {
+namespace {
+
+constexpr const char* kExportNeedsMore = "This export needs more memory than allowed.";
+
+/// Reads up to `bytes` bytes. Returns nullopt if the disk fails.
+std::optional<std::size_t> read_input(char* data, std::size_t bytes) {
+  std::size_t done = 0;
+  while (done < bytes) {
+    const ssize_t got = read(kChildInput, data + done, bytes - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return std::nullopt;
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+/// Turns the brain among the labels that ingest has found into a label set.
+Result<volume::LabelSet> brain_of(const std::string& encoded, const volume::Header& header) {
+  auto found = volume::decode(encoded, header.size);
+  DIAPHANE_TRY(found);
+  volume::LabelSet set{{{volume::kBrainNumber, "", volume::label_colour(0)}}, *std::move(found)};
+  for (std::uint8_t& voxel : set.labels.voxels)
+    voxel = voxel == static_cast<std::uint8_t>(volume::Label::kBrain) ? 1 : 0;
+  return set;
+}
+
+enum class Got { kAll, kDamaged, kDiskFails };
+
+Got read_voxels(volume::Volume& scan) {
+  scan.voxels.resize(scan.header.voxel_count());
+  const std::size_t bytes = scan.voxels.size() * sizeof(std::int16_t);
+  const auto got = read_input(reinterpret_cast<char*>(scan.voxels.data()), bytes);
+  if (!got) return Got::kDiskFails;
+  return *got == bytes ? Got::kAll : Got::kDamaged;
+}
+
+Got read_labels(volume::Volume& scan, std::uint32_t number) {
+  std::string encoded;
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  const std::uint64_t most = volume::most_label_set_bytes(scan.header);
+  while (encoded.size() <= most) {
+    const std::size_t before = encoded.size();
+    encoded.resize(before + kPiece);
+    const auto got = read_input(encoded.data() + before, kPiece);
+    if (!got) return Got::kDiskFails;
+    encoded.resize(before + *got);
+    if (*got < kPiece) break;
+  }
+  auto set = number == volume::kBrainNumber ? brain_of(encoded, scan.header)
+                                            : volume::decode_label_set(encoded, scan.header.size);
+  if (!set) return Got::kDamaged;
+  scan.label_set = *std::move(set);
+  return Got::kAll;
+}
+
+Verdict refusal_of(const Error& error) {
+  if (error.code == ErrorCode::kOutOfMemory) return refused("too_large", kExportNeedsMore);
+  const char* code = error.code == ErrorCode::kTooLarge ? "too_large" : "nothing_inside";
+  return refused(code, "This export is not possible: " + error.message + ".");
+}
+
+/// Exports the scan. Returns 0 and fills `verdict`, or returns an exit code.
+int run_export(const std::string& header_text, const std::string& order_text, Verdict& verdict) {
+  auto header = volume::from_json(header_text);
+  const auto order = export_order_of(order_text);
+  if (!header || !order) {
+    verdict = refused("internal", "The scan could not be exported.");
+    return 0;
+  }
+  volume::Volume scan;
+  scan.header = *std::move(header);
+  const Got got = order->label ? read_labels(scan, *order->label) : read_voxels(scan);
+  if (got == Got::kDiskFails) return kChildDiskFails;
+  if (got == Got::kDamaged) {
+    verdict = refused("damaged", "The stored scan cannot be read.");
+    return 0;
+  }
+  int exit_code = 0;
+  const auto done = export_scan(scan, *order, {}, [&](std::string_view bytes) -> Result<void> {
+    exit_code = write_output(bytes);
+    if (exit_code != 0) return fail(ErrorCode::kUnavailable, "the disk fails");
+    return {};
+  });
+  if (exit_code != 0) return exit_code;
+  if (!done) {
+    verdict = refusal_of(done.error());
+    return 0;
+  }
+  verdict.ready = true;
+  verdict.header = std::move(scan.header);
+  // The parent refuses headers with these fields, because it fills them itself.
+  verdict.header.content_hash.clear();
+  verdict.header.label_hash.clear();
+  verdict.header.frame_of_reference.clear();
+  return 0;
+}
+
+}  // namespace
+
+int run_export_child_main(const std::string& header, const std::string& order,
+                          const SandboxLimits& sandbox) {
+  return run_in_sandbox(sandbox, kExportNeedsMore,
+                        [&](Verdict& verdict) { return run_export(header, order, verdict); });
+}
+
+}  // namespace diaphane::ingest

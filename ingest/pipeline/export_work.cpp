@@ -1,0 +1,110 @@
+#include "ingest/pipeline/export_work.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/ids.h"
+#include "common/log.h"
+#include "volume/volume.h"
+
+namespace diaphane::ingest {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+bool ExportWorker::work_once(const std::function<bool()>& is_stopping) {
+  const auto claimed = jobs_.claim();
+  if (!claimed || !*claimed) return false;
+  work(**claimed, is_stopping);
+  return true;
+}
+
+void ExportWorker::wait(const ExportJob& job, const Error& why) {
+  constexpr int kMostDoublings = 20;
+  const auto pause = std::min<std::chrono::milliseconds>(
+      options_.first_pause * (1LL << std::clamp(job.waits, 0, kMostDoublings)),
+      options_.longest_pause);
+  log::warning("export_waits", {{"export", job.id},
+                                {"data_set", job.data_set_id},
+                                {"reason", why.message},
+                                {"waits", job.waits + 1}});
+  (void)jobs_.put_back(job, pause, true, false);
+}
+
+void ExportWorker::work(const ExportJob& job, const std::function<bool()>& is_stopping) {
+  // Malformed IDs should never occur, but they would become part of file paths.
+  if (!is_id(job.id) || !is_id(job.data_set_id)) return;
+  if (job.attempts >= options_.most_attempts) {
+    (void)jobs_.fail_with(job, "no_memory",
+                          "The server ran out of memory or time each time it made this export.");
+    return;
+  }
+  const std::string directory = options_.volume_dir + "/" + job.data_set_id;
+  const auto header = volume::read_header(directory);
+  if (!header && header.error().code == ErrorCode::kUnavailable) return wait(job, header.error());
+  if (!header) {
+    (void)jobs_.fail_with(job, "internal", "The stored scan cannot be read.");
+    return;
+  }
+  std::error_code error;
+  fs::create_directories(options_.export_dir, error);
+  if (error)
+    return wait(job, {ErrorCode::kUnavailable, "the export directory is not writable", {}});
+  const std::string unfinished = options_.export_dir + "/.tmp-" + job.id;
+  bool ours = true;
+  const auto should_continue = [&, next = Clock::now() + options_.renew]() mutable {
+    if (is_stopping()) return false;
+    if (Clock::now() < next) return true;
+    next = Clock::now() + options_.renew;
+    const auto renewed = jobs_.renew(job);
+    // While Postgres is unavailable, no other worker can claim the export either.
+    if (renewed) ours = *renewed;
+    return ours;
+  };
+  const auto build = make_({directory, *header, job.order, unfinished}, should_continue);
+  if (!build) {
+    wait(job, build.error());
+  } else if (ours && build->verdict.ready) {
+    return finish(job, unfinished, *build);
+  } else if (ours) {
+    settle(job, *build);
+  }
+  fs::remove(unfinished, error);
+}
+
+void ExportWorker::settle(const ExportJob& job, const Build& build) {
+  if (build.stopped) {
+    (void)jobs_.put_back(job, {}, false, false);
+  } else if (build.killed || build.no_memory || build.delayed) {
+    log::warning("export_retried", {{"export", job.id}, {"attempts", job.attempts + 1}});
+    (void)jobs_.put_back(job, options_.first_pause * 4, false, true);
+  } else {
+    log::info("export_refused",
+              {{"export", job.id}, {"data_set", job.data_set_id}, {"result", build.verdict.code}});
+    (void)jobs_.fail_with(job, build.verdict.code, build.verdict.text);
+  }
+}
+
+void ExportWorker::finish(const ExportJob& job, const std::string& unfinished, const Build& build) {
+  const std::string path = options_.export_dir + "/" + job.id + ".scan";
+  std::error_code error;
+  fs::rename(unfinished, path, error);
+  if (error) {
+    fs::remove(unfinished, error);
+    return wait(job, {ErrorCode::kUnavailable, "cannot rename the export", {}});
+  }
+  const auto done = jobs_.finish(job, build.written);
+  // If the outcome is unknown, the export may be ready. If it is gone instead, api sweeps the file.
+  if (!done) return;
+  if (!*done) {
+    fs::remove(path, error);
+    return;
+  }
+  log::info("export_done", {{"export", job.id},
+                            {"data_set", job.data_set_id},
+                            {"bytes", build.written},
+                            {"seconds", build.seconds},
+                            {"peak_mb", static_cast<double>(build.peak_bytes) / (1 << 20)}});
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,6 @@
+DROP TABLE scan_exports;
+DROP FUNCTION dispose_of_scan_export();
+DELETE FROM disposals WHERE kind = 'scan-export';
+ALTER TABLE disposals DROP CONSTRAINT disposals_kind_check;
+ALTER TABLE disposals ADD CONSTRAINT disposals_kind_check
+  CHECK (kind IN ('upload', 'volume', 'export', 'pictures', 'preset', 'environment'));
