@@ -16,7 +16,8 @@ std::string_view name_of(RequestKind request) {
       "visibility",   "handover",   "free camera",  "depth",      "slices",
       "key view",     "file",       "file taken",   "kernel",     "guest slices",
       "error curve",  "slice view", "measurements", "pointer",    "guest pointers",
-      "shared taken", "marks",      "mark sight",   "raise hand", "file mark"};
+      "shared taken", "marks",      "mark sight",   "raise hand", "file mark",
+      "good views"};
   return kNames.at(static_cast<std::size_t>(request));
 }
 
@@ -45,7 +46,7 @@ bool expected(const ViewerRights& who, std::string_view request) {
     return who.presents && (who.viewer == ViewerKind::kOwner || who.slices);
   }
   if (request == "pointer" || request == "marks") return !guest || who.presents || who.pointers;
-  if (request == "guest pointers") return who.presents;
+  if (request == "guest pointers" || request == "good views") return who.presents;
   return true;
 }
 

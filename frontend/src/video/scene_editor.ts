@@ -201,7 +201,8 @@ export class SceneEditor {
     return pose !== null && home !== null && isSamePose(pose, home);
   }
 
-  private home(): CameraPose | null {
+  /** Returns the camera with which the session began, or else that of the look. */
+  home(): CameraPose | null {
     const scene = this.scene.value;
     const first = this.begun.value;
     const same = scene && first && sameLook(first, scene) ? first : null;
