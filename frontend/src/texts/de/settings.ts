@@ -101,6 +101,10 @@ export const settings: Texts["settings"] = {
   },
 
   look: {
+    comfort: {
+      name: "Sanftere Farben",
+      help: "Rechts wirken Blut und Knochen sanfter, links kräftiger. Was zu sehen ist, bleibt gleich.",
+    },
     channels: "Materialien",
     channel: (name, n) => nameOf(name) || `Material ${n}`,
     shown: (name) => `${name} zeigen`,

@@ -100,6 +100,10 @@ export const settings = {
   },
 
   look: {
+    comfort: {
+      name: "Softer colours",
+      help: "Blood and bone look gentler to the right, and stronger to the left. What you see stays the same.",
+    },
     channels: "Materials",
     channel: (name: string, n: number) => nameOf(name) || `Material ${n}`,
     shown: (name: string) => `Show ${name}`,
