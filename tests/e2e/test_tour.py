@@ -11,6 +11,7 @@ from pathlib import Path
 from playwright.sync_api import Page, expect
 
 from harness import TestStack
+from picture import ALIKE, difference
 from test_controls import Eye
 from test_in_picture import open_viewer
 from test_settings import Hands
@@ -116,7 +117,7 @@ def check_smooth(cameras: list[Camera]) -> None:
     assert max(turns) <= MOST_TURN + ROUNDING, max(turns)
 
 
-def check_outside(stack: TestStack, page: Page, cameras: list[Camera]) -> None:
+def check_outside(cameras: list[Camera]) -> None:
     """The eye never enters the sphere around the made-up head, which is within 130 mm of the middle (ingest/sample)."""
     distances = [math.hypot(*camera.eye) for camera in cameras]
     assert min(distances) > 200, min(distances)
@@ -146,7 +147,95 @@ def test_tour_of_the_sample_on_a_phone_is_smooth_and_stays_outside(stack: TestSt
     sent, shown = list(sent_cameras(page).values()), shown_cameras(page)
     check_smooth(sent)
     check_smooth(shown)
-    check_outside(stack, page, sent)
+    check_outside(sent)
     azimuths = {round(math.degrees(math.atan2(c.eye[1] - c.target[1], c.eye[0] - c.target[0])) / 30) % 12 for c in sent}
     assert len(azimuths) == 12, azimuths  # all around
     page.screenshot(path=pictures / "tour-end-phone.png")
+
+
+SIDES = {"A": (0, -1, 0), "P": (0, 1, 0), "L": (1, 0, 0), "R": (-1, 0, 0), "S": (0, 0, 1), "I": (0, 0, -1)}
+NAMES = {"A": "Front", "P": "Back", "L": "Patient’s left", "R": "Patient’s right", "S": "Above", "I": "Below"}
+
+
+def check_side(hands: Hands, letter: str, distance: float) -> None:
+    hands.settle()
+    eye = Eye(hands)
+    towards = sum(a * b for a, b in zip(eye.away, SIDES[letter], strict=True)) / eye.distance
+    assert towards > 0.9999 and math.isclose(eye.distance, distance, rel_tol=1e-6), (letter, towards, eye.distance)
+
+
+def test_standard_views_by_button_key_and_cube_frame_the_subject(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit()
+    hands = open_viewer(stack, page, cranium, "sides", 960, 640)
+    page.get_by_role("button", name="Hide the tips").click()
+    page.locator("canvas").focus()
+    home = Eye(hands).distance
+    page.evaluate(RECORD)
+    for letter in ("A", "R", "I"):
+        hands.act(lambda letter=letter: page.keyboard.press(f"Shift+{letter}"))
+        check_side(hands, letter, home)
+    assert len(sent_cameras(page)) > 6, "the camera jumps"
+    # A key of the picture moves the camera away, and the cube frames the subject again.
+    hands.act(lambda: page.keyboard.press("+"))
+    hands.act(page.get_by_role("button", name="View from the front").click)
+    check_side(hands, "A", home)
+    page.emulate_media(reduced_motion="reduce")
+    views = hands.window("Views")
+    hands.settle()  # the camera has made room for the window
+    home = Eye(hands).distance
+    for letter in ("P", "L", "S"):
+        page.evaluate("window.sentMessages.length = 0")
+        hands.act(views.get_by_role("button", name=NAMES[letter], exact=True).click)
+        check_side(hands, letter, home)
+        assert len(sent_cameras(page)) == 1, "the camera moves although the user prefers reduced motion"
+    page.screenshot(path=pictures / "views.png")
+    # Tour by keys.
+    page.emulate_media(reduced_motion="no-preference")
+    page.locator("canvas").focus()
+    line = page.locator(".tour-line")
+    for end in ("t", "Escape"):
+        page.keyboard.press("t")
+        expect(line).to_have_attribute("data-tour", "moving")
+        page.keyboard.press("p")
+        expect(line).to_have_attribute("data-tour", "paused")
+        page.screenshot(path=pictures / "tour.png")
+        page.keyboard.press(end)
+        expect(line).to_have_count(0)
+    # A drag stops it, and a video takes its views.
+    page.keyboard.press("t")
+    expect(line).to_have_attribute("data-tour", "moving")
+    page.mouse.move(700, 250)
+    page.mouse.down()
+    page.mouse.move(720, 260)
+    page.mouse.up()
+    expect(line).to_have_count(0)
+    page.keyboard.press("t")
+    line.get_by_role("button", name="Save as a video").click()
+    expect(page.get_by_label("File type")).to_have_value("around")
+    expect(page.get_by_label("Length in seconds")).to_have_value("20")
+    page.screenshot(path=pictures / "tour-video.png")
+
+
+def test_comfort_changes_the_colours_and_stays_with_another_look(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit()
+    hands = open_viewer(stack, page, cranium, "gentle", 960, 640)
+    page.get_by_role("button", name="Hide the tips").click()
+    page.get_by_role("button", name="Muscle").click()
+    look = hands.window("Materials")
+    hands.type(look, "Softer colours", "2")
+    hands.settle()
+    softer = hands.picture()
+    page.screenshot(path=pictures / "comfort-softer.png")
+    expect(page.get_by_role("button", name="Muscle").first).to_have_attribute("aria-pressed", "true")
+    hands.type(look, "Softer colours", "-2")
+    hands.settle()
+    stronger = hands.picture()
+    page.screenshot(path=pictures / "comfort-stronger.png")
+    # At 4, the colours of blood differ by 84 of 255 in green: far more than two renderings of one view.
+    assert difference(softer, stronger) > 2 * ALIKE, difference(softer, stronger)
+    hands.act(page.get_by_role("button", name="Bone", exact=True).first.click)
+    expect(look.get_by_label("Softer colours (value)")).to_have_value("-2")
+    hands.act(look.get_by_role("button", name="Reset the materials").click)
+    expect(look.get_by_label("Softer colours (value)")).to_have_value("0")
+    hands.act(page.get_by_role("button", name="Airways").click)
+    expect(look.get_by_label("Softer colours (value)")).to_have_count(0)

@@ -132,7 +132,11 @@ export class SceneEditor {
       ...(now?.slices ? { slices: now.slices } : {}),
       ...(now ? { showTable: now.showTable, labels: labelsAfter(now, this.shownPresets(), preset.scene) } : {}),
     };
-    this.setScene({ ...this.framed(this.inComfort(preset.scene)), ...kept }, { what: `preset ${preset.name}`, held: false }, true);
+    this.setScene(
+      { ...this.framed(this.inComfort(preset.scene)), ...kept },
+      { what: `preset ${preset.name}`, held: false },
+      true,
+    );
   }
 
   /** Starts with a look and its own camera. */
