@@ -12,8 +12,8 @@ void with_coarse_view(const CoarseVolume& coarse, const diaphane::v1::Scene& sce
   if (!prepared) return;
   const PreparedTransfer& t = *prepared->transfer;
   CoarseView view = view_of(*prepared, LinearVolume{coarse.volume.voxels.data(), size_of(header)},
-                      t.extinction.data(), t.colour.data(), bounds_of(*prepared).data(),
-                      LightArrays(*prepared), 0);
+                            t.extinction.data(), t.colour.data(), bounds_of(*prepared).data(),
+                            LightArrays(*prepared), 0);
   if (prepared->labels) {
     view.labels = {coarse.volume.label_set.labels.voxels.data(), prepared->labels->looks.data()};
   }

@@ -62,8 +62,8 @@ Sampled sample(const CoarseView& scene, const Grid& grid, std::array<int, 3> cel
   for (int i = 0; i < kAll; ++i) {
     const Double3 part{(i % kSamples + 0.5) / kSamples, (i / kSamples % kSamples + 0.5) / kSamples,
                        (i / (kSamples * kSamples) + 0.5) / kSamples};
-    const Double3 at = grid.low + Double3{cell[0] + part.x, cell[1] + part.y, cell[2] + part.z} *
-                                      grid.edge;
+    const Double3 at =
+        grid.low + Double3{cell[0] + part.x, cell[1] + part.y, cell[2] + part.z} * grid.edge;
     const Float3 place = to_float(at) * scene.inverse_spacing;
     if (!is_kept<kAllFeatures>(scene, place)) continue;
     const float value = scene.volume.at(place);
@@ -99,8 +99,8 @@ void weigh(Grid& grid, const std::vector<double>& values) {
     Cell& cell = grid.cells[i];
     if (cell.alpha <= 0) continue;
     // Counts one more, so that cells of the only value have some weight, too.
-    const double share = static_cast<double>(counts.at(bin(values[i]))) /
-                         (static_cast<double>(visible) + 1);
+    const double share =
+        static_cast<double>(counts.at(bin(values[i]))) / (static_cast<double>(visible) + 1);
     cell.weight = cell.alpha * -std::log2(share);
   }
 }
@@ -117,7 +117,8 @@ std::optional<Grid> grid_of(const CoarseView& scene, const volume::Header& heade
   Grid grid{low, longest / kCells, {}, {}};
   const std::array sides{side.x, side.y, side.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    grid.size.at(axis) = std::clamp(static_cast<int>(std::ceil(sides.at(axis) / grid.edge)), 1, kCells);
+    grid.size.at(axis) =
+        std::clamp(static_cast<int>(std::ceil(sides.at(axis) / grid.edge)), 1, kCells);
   }
   std::vector<double> values;
   for (int z = 0; z < grid.size[2]; ++z) {

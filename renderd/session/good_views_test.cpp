@@ -23,11 +23,11 @@ diaphane::v1::Scene opaque_scene() {
 std::shared_ptr<const CoarseVolume> matter(
     const std::function<bool(double, double, double)>& is_matter) {
   const auto side = static_cast<std::uint32_t>(kSide);
-  return coarse_of(test::make_volume({side, side, side}, {1, 1, 1},
-                                     [&](double x, double y, double z) {
-                                       const double m = kSide / 2;
-                                       return is_matter(x - m, y - m, z - m) ? 1000 : 0;
-                                     }));
+  return coarse_of(
+      test::make_volume({side, side, side}, {1, 1, 1}, [&](double x, double y, double z) {
+        const double m = kSide / 2;
+        return is_matter(x - m, y - m, z - m) ? 1000 : 0;
+      }));
 }
 
 const GoodView& best(const GoodViews& views) {

@@ -12,12 +12,11 @@ namespace {
 
 std::string_view name_of(RequestKind request) {
   constexpr std::array<std::string_view, kRequests.size()> kNames{
-      "hello",        "resize",     "scene",        "ack",        "need key",
-      "visibility",   "handover",   "free camera",  "depth",      "slices",
-      "key view",     "file",       "file taken",   "kernel",     "guest slices",
-      "error curve",  "slice view", "measurements", "pointer",    "guest pointers",
-      "shared taken", "marks",      "mark sight",   "raise hand", "file mark",
-      "good views"};
+      "hello",      "resize",         "scene",        "ack",         "need key",   "visibility",
+      "handover",   "free camera",    "depth",        "slices",      "key view",   "file",
+      "file taken", "kernel",         "guest slices", "error curve", "slice view", "measurements",
+      "pointer",    "guest pointers", "shared taken", "marks",       "mark sight", "raise hand",
+      "file mark",  "good views"};
   return kNames.at(static_cast<std::size_t>(request));
 }
 

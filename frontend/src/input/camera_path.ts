@@ -25,7 +25,7 @@ const degree = Math.PI / 180;
 const fullTurn = 2 * Math.PI;
 /** Between neighbouring samples of a path. */
 const sampleStep = 0.5 * degree;
-/** Degrees that count for a zoom by a factor of e, and for moving the target as far as the eye is away. */
+/** Degrees that count for a zoom by a factor of e, and for moving the target by the distance of the eye. */
 const zoomDegrees = 40;
 const panDegrees = 60;
 /** Like the server frames its looks (place_camera in renderd/scene/presets.cpp), with a smaller margin, because all directions fit. */

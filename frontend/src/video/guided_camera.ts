@@ -49,7 +49,7 @@ export class GuidedCamera {
     this.motion.flyTo(poseFromSide(home, letter), `side ${letter}`);
   }
 
-  /** Runs `resize`, which may reframe the picture for a window of another shape. A tour goes on in the new shape. */
+  /** Runs `resize`, which may reframe the picture for a window of another shape. A tour continues in the new shape. */
   during(resize: () => void): void {
     this.motion.during(() => this.tour.during(resize));
   }

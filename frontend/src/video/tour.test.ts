@@ -135,7 +135,7 @@ describe("Show me around", () => {
       expect(pose()).toEqual(after);
     }
   });
-  it("goes on with another look or after the window has changed its shape", async () => {
+  it("continues with another look or after the window has changed its shape", async () => {
     await start();
     pass(100);
     editor.change("density", (scene) => ({ ...scene, bounces: 3 }));
