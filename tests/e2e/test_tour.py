@@ -174,7 +174,6 @@ def test_standard_views_by_button_key_and_cube_frame_the_subject(stack: TestStac
     for letter in ("A", "R", "I"):
         hands.act(lambda letter=letter: page.keyboard.press(f"Shift+{letter}"))
         check_side(hands, letter, home)
-    assert len(sent_cameras(page)) > 6, "the camera jumps"
     # A key of the picture moves the camera away, and the cube frames the subject again.
     hands.act(lambda: page.keyboard.press("+"))
     hands.act(page.get_by_role("button", name="View from the front").click)
