@@ -1,5 +1,6 @@
 // A follower with a free camera gets a separate session beside the group's (docs/adr/0013).
 #include "renderd/serve/session_turn.h"
+#include "renderd/session/good_views.h"
 
 namespace diaphane::render {
 
@@ -116,6 +117,18 @@ void LiveSession::carry_out(const effect::FindMarkSight& effect) {
     of.add_ids(marks[i].id);
   }
   const std::lock_guard lock(mutex_);
+  send(effect.connection, message);
+}
+
+void LiveSession::carry_out(const effect::FindGoodViews& effect) {
+  std::unique_lock lock(mutex_);
+  const std::shared_ptr<const v1::Scene> scene = state_.requested.scene;
+  const auto coarse = volume_ ? parts_.stats.of(*volume_).coarse : nullptr;
+  lock.unlock();
+  v1::ServerMessage message;
+  *message.mutable_good_views() =
+      scene && coarse ? to_proto(good_views(*coarse, *scene)) : v1::GoodViews();
+  lock.lock();
   send(effect.connection, message);
 }
 

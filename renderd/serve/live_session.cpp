@@ -465,6 +465,7 @@ void LiveSession::apply(const Outcome& outcome, std::uint64_t connection) {
     *message.mutable_error_curve() = to_proto(convergence_.curve(), state_.epoch);
     send(connection, message);
   }
+  if (outcome.good_views) apply(Effects{effect::FindGoodViews{connection}});
   if (outcome.depth) apply(Effects{effect::FindDepth{connection, *outcome.depth}});
 }
 

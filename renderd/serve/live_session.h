@@ -207,6 +207,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void carry_out(const effect::FindDepth& effect);
   void carry_out(const effect::FindPointer& effect);
   void carry_out(const effect::FindMarkSight& effect);
+  void carry_out(const effect::FindGoodViews& effect);
   void carry_out(const effect::PokeEncoders& effect);
   void carry_out(const effect::LoadVoxels& effect);
   void carry_out(effect::CodeSlice& effect);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 #include <vector>
 
@@ -10,7 +9,7 @@
 #include "renderd/kernel/primary.h"
 #include "renderd/scene/camera.h"
 #include "renderd/scene/frame.h"
-#include "renderd/scene/prepared_scene.h"
+#include "renderd/session/coarse_view.h"
 
 namespace diaphane::render {
 namespace {
@@ -24,7 +23,7 @@ constexpr float kEnd = 0.01f;
 /// from another side.
 constexpr double kOwnSurfaceVoxels = 2;
 
-using View = SceneView<LinearVolume>;
+using View = CoarseView;
 
 struct Step {
   float at, clear;  // transmittance from the eye to this place
@@ -69,25 +68,6 @@ std::optional<float> half_way(const View& scene, const Ray& ray) {
   const auto there =
       std::ranges::find_if(steps, [half](const Step& one) { return one.clear <= half; });
   return there == steps.end() ? slice.distance : there->at;
-}
-
-/// Calls `use` with the scene as the kernel sees it, or not at all if it cannot be prepared.
-void with_view(const CoarseVolume& coarse, const diaphane::v1::Scene& scene, Canvas canvas,
-               const std::function<void(const View&)>& use) {
-  diaphane::v1::Scene dark = scene;  // lights do not matter here, and their textures take time
-  dark.clear_lights();
-  dark.mutable_camera()->set_aperture_radius(0);
-  const volume::Header& header = coarse.volume.header;
-  const auto prepared = prepare_scene(dark, canvas, header, coarse.grid);
-  if (!prepared) return;
-  const PreparedTransfer& t = *prepared->transfer;
-  View view = view_of(*prepared, LinearVolume{coarse.volume.voxels.data(), size_of(header)},
-                      t.extinction.data(), t.colour.data(), bounds_of(*prepared).data(),
-                      LightArrays(*prepared), 0);
-  if (prepared->labels) {
-    view.labels = {coarse.volume.label_set.labels.voxels.data(), prepared->labels->looks.data()};
-  }
-  use(view);
 }
 
 /// Returns whether less than half of a place in the volume's frame (mm) can be seen. `margin`:
@@ -162,7 +142,7 @@ std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
                                              const diaphane::v1::Scene& scene, Canvas canvas,
                                              double x, double y) {
   std::optional<VisiblePoint> visible;
-  with_view(coarse, scene, canvas, [&](const View& view) {
+  with_coarse_view(coarse, scene, canvas, [&](const View& view) {
     const Ray ray = camera_ray<kAllFeatures>(view, static_cast<float>(x * canvas.width),
                                              static_cast<float>(y * canvas.height))
                         .ray;
@@ -190,7 +170,7 @@ std::vector<bool> hidden_places(const CoarseVolume& coarse, const diaphane::v1::
   const volume::Header& header = coarse.volume.header;
   const WorldToFrame frame(header);
   const double voxel = std::max({header.spacing[0], header.spacing[1], header.spacing[2]});
-  with_view(coarse, scene, canvas, [&](const View& view) {
+  with_coarse_view(coarse, scene, canvas, [&](const View& view) {
     for (std::size_t i = 0; i < places.size(); ++i) {
       hidden[i] = is_hidden(view, to_float(frame.point(places[i])),
                             static_cast<float>(kOwnSurfaceVoxels * voxel));

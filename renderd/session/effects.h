@@ -63,6 +63,10 @@ struct FindPointer {
 struct FindMarkSight {
   std::uint64_t connection = 0;
 };
+/// Answers a GoodViewsQuery of this connection.
+struct FindGoodViews {
+  std::uint64_t connection = 0;
+};
 /// Tells the encoders that they may take the next picture.
 struct PokeEncoders {};
 
@@ -146,10 +150,11 @@ struct DismissCamera {
 using Effect =
     std::variant<effect::Send, effect::Configure, effect::BroadcastParticipants, effect::Warn,
                  effect::WakeRunner, effect::LeaveRunner, effect::FindDepth, effect::FindPointer,
-                 effect::FindMarkSight, effect::PokeEncoders, effect::LoadVoxels, effect::CodeSlice,
-                 effect::CodeTile, effect::StartFile, effect::AcknowledgeFile, effect::StopFile,
-                 effect::OpenCamera, effect::EnterCamera, effect::ForwardToCamera,
-                 effect::FollowPresenter, effect::SilenceCamera, effect::DismissCamera>;
+                 effect::FindMarkSight, effect::FindGoodViews, effect::PokeEncoders,
+                 effect::LoadVoxels, effect::CodeSlice, effect::CodeTile, effect::StartFile,
+                 effect::AcknowledgeFile, effect::StopFile, effect::OpenCamera, effect::EnterCamera,
+                 effect::ForwardToCamera, effect::FollowPresenter, effect::SilenceCamera,
+                 effect::DismissCamera>;
 using Effects = std::vector<Effect>;
 
 /// Returns the message that tells a viewer about an error that does not end the connection.

@@ -60,6 +60,7 @@ constexpr std::array kTable{
     Row{RequestKind::kMarkSight,   all(kYes)},
     Row{RequestKind::kRaiseHand,   all(kYes)},
     Row{RequestKind::kFileMark,    {kYes,  kFiles,  kFiles,  kFiles,       kNo,            kNo}},
+    Row{RequestKind::kGoodViews,   all(kPresents)},
     // clang-format on
 };
 
@@ -143,6 +144,8 @@ std::optional<RequestKind> request_of(const v1::ClientMessage& message) {
       return RequestKind::kRaiseHand;
     case v1::ClientMessage::kFileMark:
       return RequestKind::kFileMark;
+    case v1::ClientMessage::kGoodViews:
+      return RequestKind::kGoodViews;
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }

@@ -51,6 +51,7 @@ enum class RequestKind {
   kMarkSight,
   kRaiseHand,
   kFileMark,
+  kGoodViews,
 };
 inline constexpr std::array kRequests{
     RequestKind::kHello,      RequestKind::kResize,        RequestKind::kScene,
@@ -61,7 +62,7 @@ inline constexpr std::array kRequests{
     RequestKind::kErrorCurve, RequestKind::kSliceView,     RequestKind::kMeasurements,
     RequestKind::kPointer,    RequestKind::kGuestPointers, RequestKind::kSharedTaken,
     RequestKind::kMarks,      RequestKind::kMarkSight,     RequestKind::kRaiseHand,
-    RequestKind::kFileMark};
+    RequestKind::kFileMark,   RequestKind::kGoodViews};
 /// Returns the kind of a message, or nullopt if it is empty or of a newer page.
 std::optional<RequestKind> request_of(const diaphane::v1::ClientMessage& message);
 

@@ -236,6 +236,18 @@ Outcome receive_curve_query(Receiver& receiver, TimePoint now) {
   return outcome;
 }
 
+Outcome receive_good_views_query(Receiver& receiver, TimePoint now) {
+  Outcome outcome;
+  if (receiver.good_views_asked && now - *receiver.good_views_asked < kKernelEvery) {
+    outcome.problem = problem_of(
+        {ErrorCode::kTooMany, "Too many requests for good views.", "good_views"}, 0, false);
+    return outcome;
+  }
+  receiver.good_views_asked = now;
+  outcome.good_views = true;
+  return outcome;
+}
+
 Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Handover& handover) {
   Outcome outcome;
   const std::string before = state.audience.presenter;
@@ -484,6 +496,8 @@ std::optional<v1::Problem> refused_request(const SessionState& state, std::uint6
     case RequestKind::kSliceView:
     case RequestKind::kMeasurements:
       return refusal("Only a presenter who can see the slices can show them.", "slice_view");
+    case RequestKind::kGoodViews:
+      return refusal("Only the presenter can show a tour.", "good_views");
     case RequestKind::kGuestPointers:
       return refusal("Only the presenter can turn the pointers of guests off or on.",
                      "guest_pointers");
@@ -522,6 +536,8 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_kernel_wanted(state, *receiver, now);
     case v1::ClientMessage::kErrorCurve:
       return receive_curve_query(*receiver, now);
+    case v1::ClientMessage::kGoodViews:
+      return receive_good_views_query(*receiver, now);
     case v1::ClientMessage::kGuestSlices:
       return receive_guest_slices(state, message.guest_slices().on());
     case v1::ClientMessage::kSliceView:

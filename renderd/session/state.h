@@ -52,6 +52,7 @@ struct Outcome {
   std::optional<bool> free_camera;  ///< a free camera was requested (true) or given up (false)
   std::optional<diaphane::v1::DepthQuery> depth;  ///< to be answered
   bool error_curve = false;                       ///< send the error curve
+  bool good_views = false;                        ///< send good views of the scene
   bool wake = false;                              ///< wake the runner
   bool room = false;                              ///< the encoders may take the next picture
 };

@@ -366,6 +366,20 @@ TEST_F(StateTest, AnswersKernelQueriesAtALimitedRate) {
   EXPECT_FALSE(say(query).problem);
 }
 
+TEST_F(StateTest, AnswersGoodViewsQueriesOfThePresenterAtALimitedRate) {
+  say(hello());
+  v1::ClientMessage query;
+  query.mutable_good_views();
+  EXPECT_TRUE(say(query).good_views);
+  const Outcome too_soon = say(query);
+  EXPECT_FALSE(too_soon.good_views);
+  ASSERT_TRUE(too_soon.problem);
+  EXPECT_EQ(too_soon.problem->field(), "good_views");
+  EXPECT_FALSE(too_soon.problem->fatal());
+  now += kKernelEvery;
+  EXPECT_TRUE(say(query).good_views);
+}
+
 /// Switching the denoiser off changes the picture, so it is a new version of the request.
 TEST(SessionState, RequestsRawImagesOnlyOnDemand) {
   SessionState state;

@@ -17,8 +17,8 @@ from test_live_session import MARGINS
 from test_videos import taking
 from touch import Fingers
 
-WINDOWS = {"en": ("Materials", "Light", "Lens and quality", "Cuts and slices", "Marks"),
-           "de": ("Materialien", "Licht", "Objektiv und Qualität", "Schnitte und Schichten", "Markierungen")}
+WINDOWS = {"en": ("Views", "Materials", "Light", "Lens and quality", "Cuts and slices", "Marks"),
+           "de": ("Ansichten", "Materialien", "Licht", "Objektiv und Qualität", "Schnitte und Schichten", "Markierungen")}
 
 #: Runs in the page: the words of visible choices that are wider than their field. A field has 2 rem of padding and arrow.
 CLIPPED = """() => [...document.querySelectorAll(".window select")].filter((one) => one.offsetWidth > 0).flatMap((one) => {

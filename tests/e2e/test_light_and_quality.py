@@ -27,6 +27,7 @@ def saved(page: Page, format_name: str) -> str:
 def check_cube(hands: Hands) -> None:
     before = Eye(hands)
     hands.act(hands.page.get_by_role("button", name="View from above").click)
+    hands.settle()
     above = Eye(hands)
     assert above.away[2] / above.distance > 0.999 and math.isclose(above.distance, before.distance, rel_tol=1e-6)
     hands.act(lambda: hands.page.get_by_role("button", name="Undo").click())

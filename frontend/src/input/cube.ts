@@ -35,6 +35,9 @@ export function cubeFaces(pose: CameraPose): CubeFace[] {
     .sort((a, b) => a.facing - b.facing);
 }
 
+/** The letters of the sides, in the order in which they are offered. */
+export const standardSides = ["A", "P", "L", "R", "S", "I"] as const;
+
 /**
  * Returns the camera that views the target from the side of a face, at the same distance and with
  * the head at the top. The views from above and below are those that a camera in front of the

@@ -96,6 +96,19 @@ describe("the keys", () => {
     ]);
     expect(press("7")).toEqual({ kind: "preset", index: 6 });
   });
+  it("turn to the side whose letter is on the cube, with Shift", () => {
+    for (const letter of ["A", "P", "L", "R", "S", "I"])
+      expect(press(letter, { shift: true })).toEqual({ kind: "side", letter });
+    // Caps Lock is not Shift.
+    expect(["R", "S", "P", "t", "T"].map((key) => press(key)?.kind)).toEqual([
+      "reset",
+      "screenshot",
+      "pause",
+      "tour",
+      "tour",
+    ]);
+    expect(press("A", { shift: true, ctrl: true })).toBeNull();
+  });
   it("leave text fields all keys, and radio buttons all but those of the views", () => {
     expect([press("v")?.kind, press("M")?.kind, press("v", { ctrl: true })]).toEqual(["slices", "alone", null]);
     expect(["v", "m", "ArrowLeft", "3", "r"].map((key) => press(key, {}, "choice")?.kind)).toEqual([

@@ -1,8 +1,13 @@
+import { standardSides } from "./cube";
 import type { Gesture } from "./gestures";
 
 export type KeyCommand =
   | { readonly kind: "gesture"; readonly gesture: Gesture }
   | { readonly kind: "reset" }
+  /** A standard view, by the letter of the orientation cube. */
+  | { readonly kind: "side"; readonly letter: string }
+  | { readonly kind: "tour" }
+  | { readonly kind: "pause" }
   | { readonly kind: "preset"; readonly index: number }
   | { readonly kind: "fullscreen" }
   | { readonly kind: "screenshot" }
@@ -30,7 +35,7 @@ const zoomStep = 1.12;
 /**
  * Returns the command of a key press, or null for keys that belong to the browser or to the focused
  * element. Arrow keys rotate, with Shift they pan, and with Ctrl left and right roll, so every drag
- * has a key.
+ * has a key. Shift and a letter of the orientation cube turn to that side.
  */
 export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null {
   if (press.alt || press.meta || focused === "text" || focused === "list") return null;
@@ -39,6 +44,8 @@ export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null 
   const arrow = arrows[press.key];
   if (arrow) return arrowCommand(arrow, press);
   if (press.ctrl) return null;
+  const letter = press.shift ? press.key.toUpperCase() : "";
+  if ((standardSides as readonly string[]).includes(letter)) return { kind: "side", letter };
   switch (press.key) {
     case "+":
     case "=":
@@ -49,6 +56,12 @@ export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null 
     case "r":
     case "R":
       return { kind: "reset" };
+    case "t":
+    case "T":
+      return { kind: "tour" };
+    case "p":
+    case "P":
+      return { kind: "pause" };
     case "f":
     case "F":
       return { kind: "fullscreen" };

@@ -1,6 +1,12 @@
 /** Runs `task` after `ms`. Returns a function that cancels it. */
 export type After = (ms: number, task: () => void) => () => void;
 
+/** The browser's timer. */
+export const after: After = (ms, task) => {
+  const timer = setTimeout(task, ms);
+  return () => clearTimeout(timer);
+};
+
 /** Passes on values at most every `everyMs`. Between these times, the newest value replaces earlier ones. */
 export class Paced<Value> {
   private waiting: { readonly value: Value } | null = null;

@@ -2,6 +2,7 @@ import { create, toBinary } from "@bufbuild/protobuf";
 import {
   ClientMessageSchema,
   ErrorCurveQuerySchema,
+  GoodViewsQuerySchema,
   Video_Path as VideoPath,
   FileMark_LabelSchema,
   FileMarkSchema,
@@ -95,3 +96,4 @@ export const encodeFileTaken = (seq: bigint): Bytes =>
 
 export const encodeKernelQuery = (): Bytes => encoded({ case: "kernel", value: create(KernelQuerySchema) });
 export const encodeCurveQuery = (): Bytes => encoded({ case: "errorCurve", value: create(ErrorCurveQuerySchema) });
+export const encodeGoodViewsQuery = (): Bytes => encoded({ case: "goodViews", value: create(GoodViewsQuerySchema) });

@@ -74,6 +74,7 @@ class World {
         stats: () => undefined,
         fileProgress: (done) => this.seen.push(`file ${done}`),
         filePart: (part) => this.seen.push(`part ${part.seq}`),
+        goodViews: (views) => this.seen.push(`${views.views.length} views`),
         errorCurve: (curve) => this.seen.push(`curve of ${curve.points.length}`),
         shared: () => this.seen.push("shared"),
         markSight: () => this.seen.push("markSight"),

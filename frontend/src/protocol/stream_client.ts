@@ -24,27 +24,12 @@ import {
   type Abilities,
   type Audience,
   type Config,
-  type ExactSlice,
-  type Frame,
   type FrameTimes,
-  type Problem,
   type Scene,
-  type State,
-  type Stats,
-  type Still,
   type Viewport,
 } from "./messages";
-import {
-  encodeFile,
-  encodeFileTaken,
-  type FileOrder,
-  type FilePart,
-  type ErrorCurve,
-  type KernelReport,
-} from "./file_messages";
-import type { Labels } from "./gen/api/proto/stream_pb";
-import type { MarkSight } from "./mark_messages";
-import type { SharedState } from "./shared_messages";
+import { encodeFile, encodeFileTaken, type FileOrder, type FilePart } from "./file_messages";
+import type { StreamEvents } from "./stream_events";
 import { SilenceWatch, type SilenceDependencies } from "./silence_watch";
 import { fullEffort, type Effort } from "../scene/effort";
 import type { SliceId } from "../slices/store";
@@ -78,35 +63,6 @@ export interface StreamDependencies extends Pick<SilenceDependencies, "nowMs" | 
   readonly chance: () => number;
   readonly abilities: Abilities;
   readonly pixelRatio: () => number;
-}
-
-export interface StreamEvents {
-  connection(state: ConnectionState): void;
-  /** Called before any frame of the connection. */
-  config(config: Config): void;
-  frame(frame: Frame): void;
-  still(still: Still): void;
-  slice(slice: ExactSlice): void;
-  /** The session's clip has changed since the slices arrived. */
-  slicesStale(): void;
-  /** The participants. This page may have become the presenter, or may no longer be. */
-  audience(audience: Audience): void;
-  /** The presenter's scene. */
-  look(scene: Scene): void;
-  state(state: State): void;
-  stats(stats: Stats): void;
-  problem(problem: Problem): void;
-  /** Progress of the ordered file, from 0 to 1. */
-  fileProgress(done: number): void;
-  filePart(part: FilePart): void;
-  // After a request: the kernel that renders the picture, and the error of the current view.
-  kernel(report: KernelReport): void;
-  errorCurve(curve: ErrorCurve): void;
-  /** What the other participants show. */
-  shared(shared: SharedState): void;
-  markSight(sight: MarkSight): void;
-  /** The labels of the scan, whenever they change. */
-  labels(labels: Labels): void;
 }
 
 /**
@@ -274,7 +230,7 @@ export class StreamClient {
   }
 
   /** Required for each frame and still, shown or not, because the server keeps about two in flight. */
-  ack(frame: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number): void {
+  ack(frame: { readonly seq: bigint; readonly epoch: bigint }, times: FrameTimes, queue: number): void {
     if (this.state.phase === "live") this.socket?.send(encodeAck(frame.seq, frame.epoch, times, queue));
     if (times.presentedMs !== undefined) this.happened({ kind: "picture" });
   }
@@ -395,6 +351,7 @@ export class StreamClient {
       case "shared":
       case "markSight":
       case "labels":
+      case "goodViews":
         this.events[body.case](body.value as never); // the value belongs to the case
         break;
       case "slicesStale":

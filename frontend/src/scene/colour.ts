@@ -8,7 +8,9 @@ const none = rgb(0, 0, 0);
 /** Returns a linear component in [0, 1] as sRGB. */
 export const screenValue = (linear: number): number =>
   linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
-const fromScreen = (value: number): number => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+/** Returns an sRGB component as linear. */
+export const fromScreen = (value: number): number =>
+  value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
 
 /** Returns a linear colour as sRGB ("#rrggbb"). Components above 1 are clamped. */
 export function hexOf(colour: Rgb | undefined): string {

@@ -1,7 +1,8 @@
 import { openBrowserSocket } from "../protocol/browser_socket";
 import type { Trouble } from "../protocol/connection";
 import { Codec, type Abilities, type Viewport } from "../protocol/messages";
-import { StreamClient, type TicketSource, type OpenSocket, type StreamEvents } from "../protocol/stream_client";
+import { StreamClient, type TicketSource, type OpenSocket } from "../protocol/stream_client";
+import type { StreamEvents } from "../protocol/stream_events";
 
 const nothing = () => undefined;
 
@@ -25,6 +26,7 @@ const ignoredEvents: StreamEvents = {
   shared: nothing,
   markSight: nothing,
   labels: nothing,
+  goodViews: nothing,
 };
 
 /** The progress of a background session. `Done` is its result, `Reason` a reason to fail that other sessions do not have. */

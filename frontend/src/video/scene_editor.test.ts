@@ -7,7 +7,8 @@ import { cameraOf, withCamera, withClip, type Preset, type Scene } from "../prot
 import { setOpacity, setShown, unlabelled } from "../scene/labels";
 import { setExposure } from "../scene/lens";
 import { someScene } from "../scene/testing";
-import { setDensity } from "../scene/transfer";
+import { rgbOf } from "../scene/colour";
+import { setDensity, transferOf } from "../scene/transfer";
 import { SceneEditor } from "./scene_editor";
 
 const preset = (name: string, scene: Scene = someScene()): Preset => create(PresetSchema, { name, scene });
@@ -351,5 +352,29 @@ describe("reset, replace and cutScene", () => {
     editor.cutScene(denser(4)(someScene()), true);
     expect(sent.map(({ rest }) => rest)).toEqual([true]);
     expect(editor.steps.value.past).toEqual([]);
+  });
+});
+
+describe("SceneEditor.setComfort", () => {
+  const red = (name: string): Scene => {
+    const scene = someScene();
+    const [first, ...others] = transferOf(scene).channels;
+    if (!first) throw new Error("The scene has no material.");
+    const channels = [{ ...first, name: "muscle", diffuse: rgbOf("#c86460") }, ...others];
+    return { ...setDensity(scene, name === "muscle" ? 1.1 : 2), transferFunction: { ...transferOf(scene), channels } };
+  };
+  it("stays with another look, which counts as chosen, and goes with undo", () => {
+    const [muscle, deep] = [preset("muscle", red("muscle")), preset("deep", denser(2)(red("deep")))];
+    begin(red("muscle"), [muscle, deep]);
+    editor.setComfort(1.5, false);
+    expect([editor.comfort(), editor.activePreset()?.name]).toEqual([1.5, "muscle"]);
+    editor.applyPreset(deep);
+    expect([editor.comfort(), editor.activePreset()?.name]).toEqual([1.5, "deep"]);
+    editor.undo();
+    editor.undo();
+    expect([editor.comfort(), editor.activePreset()?.name]).toEqual([0, "muscle"]);
+    editor.setComfort(2, false);
+    editor.reset("look");
+    expect(editor.comfort()).toBe(0);
   });
 });

@@ -13,6 +13,7 @@ import {
   type Viewport,
 } from "../protocol/messages";
 import { changed, nothingYet, redone, rested, undone, type History, type Moved } from "../scene/history";
+import { comfortOf, originalsOf, setComfort, type Originals } from "../scene/comfort";
 import { labelsAfter } from "../scene/labels";
 import { resetPart, type Part } from "../scene/parts";
 
@@ -131,7 +132,11 @@ export class SceneEditor {
       ...(now?.slices ? { slices: now.slices } : {}),
       ...(now ? { showTable: now.showTable, labels: labelsAfter(now, this.shownPresets(), preset.scene) } : {}),
     };
-    this.setScene({ ...this.framed(preset.scene), ...kept }, { what: `preset ${preset.name}`, held: false }, true);
+    this.setScene(
+      { ...this.framed(this.inComfort(preset.scene)), ...kept },
+      { what: `preset ${preset.name}`, held: false },
+      true,
+    );
   }
 
   /** Starts with a look and its own camera. */
@@ -183,9 +188,30 @@ export class SceneEditor {
     if (scene && home) this.setScene(withCamera(scene, home), { what: "home", held: false }, true);
   }
 
+  /** Returns the shown look, in any comfort. */
   activePreset(): Preset | null {
     const scene = this.scene.value;
-    return (scene && this.presets.value.find((preset) => preset.scene && sameLook(preset.scene, scene))) ?? null;
+    const isShown = (look: Scene) => scene !== null && sameLook(this.inComfort(look), scene);
+    return this.presets.value.find((preset) => preset.scene && isShown(preset.scene)) ?? null;
+  }
+
+  /** How blood and bone are coloured, from -2 to 2 (scene/comfort.ts). */
+  comfort(): number {
+    const scene = this.scene.value;
+    return scene ? comfortOf(scene, this.originals()) : 0;
+  }
+
+  setComfort(to: number, held: boolean): void {
+    this.change("comfort", (scene) => setComfort(scene, this.originals(), to), held);
+  }
+
+  private originals(): Originals {
+    return originalsOf([this.begun.value ?? undefined, ...this.presets.value.map(({ scene }) => scene)]);
+  }
+
+  /** Returns a look in the comfort that the user has chosen. */
+  private inComfort(look: Scene): Scene {
+    return setComfort(look, this.originals(), this.comfort());
   }
 
   /** The presets that the scene may come from: any of them if the user has edited its materials. */
@@ -201,10 +227,11 @@ export class SceneEditor {
     return pose !== null && home !== null && isSamePose(pose, home);
   }
 
-  private home(): CameraPose | null {
+  /** Returns the camera with which the session began, or else that of the look. */
+  home(): CameraPose | null {
     const scene = this.scene.value;
     const first = this.begun.value;
-    const same = scene && first && sameLook(first, scene) ? first : null;
+    const same = scene && first && sameLook(this.inComfort(first), scene) ? first : null;
     const begun = same ?? (this.activePreset() ?? this.presets.value[0])?.scene;
     return begun ? cameraOf(this.framed(begun)) : null;
   }

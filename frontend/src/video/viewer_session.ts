@@ -6,11 +6,16 @@ import { SharedMarks } from "../live/shared_marks";
 import type { MarkLibrary } from "../marks/library";
 import { Marks } from "../marks/marks";
 import { marksFromText, marksToText } from "../marks/memory";
-import type { After } from "../live/paced";
+import { after } from "../live/paced";
 import type { Place } from "../live/place";
 import { roleOf } from "../live/role";
 import type { Answered } from "../protocol/depth_queries";
-import { encodeCurveQuery, encodeKernelQuery, type KernelReport } from "../protocol/file_messages";
+import {
+  encodeCurveQuery,
+  encodeGoodViewsQuery,
+  encodeKernelQuery,
+  type KernelReport,
+} from "../protocol/file_messages";
 import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
 import { encodeHand } from "../protocol/mark_messages";
 import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
@@ -18,7 +23,6 @@ import { forVisit } from "../protocol/visit_socket";
 import { firstState, isOver, type ConnectionState } from "../protocol/connection";
 import {
   comingSlice,
-  SliceAccess,
   stacksOf,
   withinBounds,
   type Abilities,
@@ -32,17 +36,19 @@ import {
 } from "../protocol/messages";
 import { effortFrom, effortText, fullEffort, type Effort } from "../scene/effort";
 import { slicesFromText, slicesToText } from "../slices/memory";
-import { Slices, type Access } from "../slices/model";
+import { Slices } from "../slices/model";
 import type { Part } from "../scene/parts";
-import { StreamClient, type StreamEvents } from "../protocol/stream_client";
+import { StreamClient } from "../protocol/stream_client";
+import type { StreamEvents } from "../protocol/stream_events";
 import { t } from "../texts";
-import { serverSentence } from "../texts/problem_text";
 import { tab } from "../storage";
 import { ResizeDebouncer } from "./canvas_size";
 import type { Painter } from "./painter";
 import { pictureIn } from "./picture_in";
 import { PictureStore } from "./picture_store";
 import { SceneEditor } from "./scene_editor";
+import { GuidedCamera } from "./guided_camera";
+import { problemText, sliceAccess } from "./session_reports";
 import { rememberView, rememberedView } from "./view_memory";
 
 /** The browser's storage for the user's preferences. */
@@ -56,25 +62,6 @@ const curveWithinMs = 2000;
 const curveEveryMs = 400;
 const marksKey = (key: string) => `diaphane.marks.${key}`;
 const slicesKey = (key: string) => `diaphane.slices.${key}`;
-
-const sliceAccess: Readonly<Record<SliceAccess, Access>> = {
-  [SliceAccess.NONE]: "none",
-  [SliceAccess.SHOWN]: "shown",
-  [SliceAccess.CLIPPED]: "clipped",
-  [SliceAccess.WHOLE]: "whole",
-};
-
-function problemText(field: string, message: string): string {
-  if (field === "own_camera") return t.live.noFreeCamera;
-  if (field === "own_camera_taken") return t.live.freeCameraTaken;
-  return serverSentence(message, t.problems.notTaken);
-}
-
-/** Runs `task` after a while. Returns a function that cancels it. */
-const after: After = (ms, task) => {
-  const timer = setTimeout(task, ms);
-  return () => clearTimeout(timer);
-};
 
 /** One viewer's connection to a data set, with its pictures and the editor of its scene. Independent of any view. */
 export class ViewerSession {
@@ -119,6 +106,17 @@ export class ViewerSession {
       this.rememberSoon();
     },
     rest: () => this.client.rest(),
+  });
+
+  /** Standard views and "Show me around". */
+  readonly guide = new GuidedCamera({
+    editor: this.editor,
+    leads: () => this.client.leads,
+    canvasSize: () => this.canvasSize,
+    askForViews: () => this.client.say(encodeGoodViewsQuery()),
+    sentInput: () => this.client.inputSeq,
+    shownInput: () => this.pictures.picture.peek()?.inputSeq ?? 0,
+    after,
   });
 
   private readonly sharedMarks: SharedMarks;
@@ -204,6 +202,7 @@ export class ViewerSession {
     this.currentSessionId = null;
     this.remember();
     this.stopWatching();
+    this.guide.close();
     this.client.stop();
     this.resizeDebouncer.stop();
     this.collaboration.stop();
@@ -416,6 +415,7 @@ export class ViewerSession {
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
       problem: ({ field, message }) => {
         this.pictures.beginWith(0); // the first input may be the refused one
+        if (field === "good_views") this.guide.tour.receive(null);
         if (field.startsWith("own_camera")) this.ownView.refused();
         // A refused pointer or mark needs no message: the presenter has turned off those of guests.
         if (field !== "pointer" && field !== "marks") this.problem.value = problemText(field, message);
@@ -431,6 +431,7 @@ export class ViewerSession {
         this.collaboration.receive(shared);
         this.sharedMarks.receive(shared);
       },
+      goodViews: (views) => this.guide.tour.receive(views),
       labels: ({ labels }) => (this.labels.value = labels),
       markSight: (sight) => this.sharedMarks.receiveSight(sight),
     };
@@ -450,10 +451,12 @@ export class ViewerSession {
 
   private resized(size: Viewport): void {
     const before = this.canvasSize;
-    this.canvasSize = size;
     this.pictures.resize(size);
     this.client.setViewport(size);
-    this.editor.resized(before, size);
+    this.guide.during(() => {
+      this.canvasSize = size;
+      this.editor.resized(before, size);
+    });
   }
 
   private configured(config: Config): void {

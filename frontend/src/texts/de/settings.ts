@@ -35,6 +35,7 @@ export const settings: Texts["settings"] = {
   redo: "Wiederholen",
   shortcuts: { undo: "Control+Z", redo: "Control+Shift+Z" },
   windows: {
+    view: "Ansichten",
     look: "Materialien",
     light: "Licht",
     lens: "Objektiv und Qualität",
@@ -43,12 +44,36 @@ export const settings: Texts["settings"] = {
     marks: "Markierungen",
   },
   reset: {
+    view: "Ansicht zurücksetzen",
     look: "Materialien zurücksetzen",
     light: "Licht zurücksetzen",
     lens: "Objektiv und Qualität zurücksetzen",
     cuts: "Alle Schnitte und Schichten entfernen",
     labels: "Strukturen wie am Anfang zeigen",
     marks: "Alle meine Markierungen löschen",
+  },
+  view: {
+    sides: "Von einer Seite ansehen",
+    from: {
+      A: "Vorn",
+      P: "Hinten",
+      L: "Links (vom Patienten aus)",
+      R: "Rechts (vom Patienten aus)",
+      S: "Oben",
+      I: "Unten",
+    },
+    around: "Rundgang zeigen",
+    aroundLead:
+      "Ein langsamer Rundgang durch die Ansichten, die am meisten von Ihrer Aufnahme zeigen. Er endet, sobald Sie das Bild bewegen.",
+    pause: "Anhalten",
+    goOn: "Fortsetzen",
+    stop: "Beenden",
+    video: "Als Video speichern",
+    looking: "Gute Ansichten werden gesucht…",
+    touring: "Rundgang läuft",
+    paused: "Der Rundgang ist angehalten",
+    nothing: "Gerade ist nichts sichtbar, also gibt es nichts zu zeigen. Wählen Sie eine andere Darstellung.",
+    unanswered: "Der Server hat keine guten Ansichten gefunden. Versuchen Sie es noch einmal.",
   },
   move: (window) => `${window} bewegen`,
   moveHelp: "Ziehen Sie, oder benutzen Sie die Pfeiltasten.",
@@ -76,6 +101,10 @@ export const settings: Texts["settings"] = {
   },
 
   look: {
+    comfort: {
+      name: "Sanftere Farben",
+      help: "Rechts wirken Blut und Knochen sanfter, links kräftiger. Was zu sehen ist, bleibt gleich.",
+    },
     channels: "Materialien",
     channel: (name, n) => nameOf(name) || `Material ${n}`,
     shown: (name) => `${name} zeigen`,

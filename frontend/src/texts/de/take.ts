@@ -23,6 +23,7 @@ export const take: Texts["take"] = {
   kinds: {
     picture: "Bild",
     turntable: "Video einer vollen Drehung",
+    around: "Video des Rundgangs",
     tour: "Videotour durch gespeicherte Voreinstellungen",
   },
   picture: "Bild speichern",
@@ -69,6 +70,8 @@ export const take: Texts["take"] = {
   hide: "Diese Meldung ausblenden",
   turntableLead:
     "Was Sie gerade sehen, einmal um die Längsachse des Körpers gedreht. Das Video läuft ohne Sprung in einer Schleife. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
+  aroundLead:
+    "Was Sie gerade sehen, in einer langsamen Runde durch die Ansichten, die am meisten davon zeigen. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   tourLead:
     "Ein fließender Übergang von einer gespeicherten Voreinstellung zur nächsten: Blickpunkt, Farben und Lichter ändern sich allmählich. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   seconds: "Länge in Sekunden",

@@ -140,6 +140,13 @@ export const viewer: Texts["viewer"] = {
     ],
     ["Zoomen", "Mausrad oder mit der rechten Taste ziehen", "Zwei Finger spreizen oder zusammenziehen", "+ und −"],
     ["Rollen", "Strg + Ziehen", "", "Strg + ← →"],
+    [
+      "Von einer Seite ansehen",
+      "Würfel drücken",
+      "Würfel drücken",
+      "Umschalt + A, P, L, R, S oder I wie auf dem Würfel",
+    ],
+    ["Rundgang zeigen", "„Ansichten“ links", "„Ansichten“ links", "T, dann P zum Anhalten und Esc zum Beenden"],
     ["Ansicht zurücksetzen", "Knopf oben", "Knopf oben", "R"],
     ...(looks > 1 ? [["Darstellung wählen", "Bilder unten", "Bilder unten", `1 bis ${looks}`] as const] : []),
     ["Rückgängig machen", "Menü links", "Menü links", "Strg + Z"],

@@ -20,7 +20,12 @@ export const take = {
   title: "Save or share",
   file: "Save a file",
   what: "File type",
-  kinds: { picture: "Picture", turntable: "Video of a full rotation", tour: "Video tour of saved presets" },
+  kinds: {
+    picture: "Picture",
+    turntable: "Video of a full rotation",
+    around: "Video of “Show me around”",
+    tour: "Video tour of saved presets",
+  },
   picture: "Save a picture",
   pictureLead:
     "We render the picture again at the size you choose. You can carry on in the meantime. The file contains only the picture: no name, no date and nothing that says which scan it comes from.",
@@ -64,6 +69,8 @@ export const take = {
   hide: "Hide this message",
   turntableLead:
     "What you see now, rotated once about the body’s long axis. The video loops seamlessly. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
+  aroundLead:
+    "What you see now, in one slow turn through the views that show most of it. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
   tourLead:
     "A smooth transition from one saved preset to the next: viewpoint, colours and lights change gradually. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
   seconds: "Length in seconds",

@@ -139,6 +139,8 @@ export const viewer = {
     ["Move", "Drag with the middle button, or Shift + drag", "Drag with two fingers", "Shift + arrow keys"],
     ["Zoom", "Wheel, or drag with the right button", "Pinch", "+ and −"],
     ["Roll", "Ctrl + drag", "", "Ctrl + ← →"],
+    ["Look from a side", "Press the cube", "Press the cube", "Shift + A, P, L, R, S or I, as on the cube"],
+    ["Show me around", "“Views” on the left", "“Views” on the left", "T, then P to pause and Esc to stop"],
     ["Reset the view", "Button at the top", "Button at the top", "R"],
     ...(looks > 1
       ? [["Choose a look", "Pictures at the bottom", "Pictures at the bottom", `1 to ${looks}`] as const]

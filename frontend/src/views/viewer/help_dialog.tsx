@@ -58,6 +58,7 @@ function Buttons({ has }: Pick<HelpDialogProps, "has">) {
     ["people", t.live.open, true],
     ["undo", t.settings.undo, true],
     ["redo", t.settings.redo, true],
+    ["eye", windows.view, true],
     ["palette", windows.look, true],
     ["lamp", windows.light, true],
     ["aperture", windows.lens, true],

@@ -23,6 +23,15 @@ export function obeyCommand(command: KeyCommand, { session, page, slices, open }
     case "reset":
       session.editor.resetCamera();
       break;
+    case "side":
+      session.guide.viewFrom(command.letter);
+      break;
+    case "tour":
+      void session.guide.tour.toggle();
+      break;
+    case "pause":
+      session.guide.tour.pauseOrContinue();
+      break;
     case "preset": {
       const preset = session.editor.presets.value[command.index];
       if (preset) session.editor.applyPreset(preset);

@@ -1,5 +1,5 @@
-import { cubeFaces, poseFromSide, type CubeFace } from "../../input/cube";
-import { cameraOf, withCamera } from "../../protocol/messages";
+import { cubeFaces, type CubeFace } from "../../input/cube";
+import { cameraOf } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 
@@ -19,13 +19,6 @@ export function OrientationCube({ session, leads }: CubeProps) {
   if (!pose) return null;
   const faces = cubeFaces(pose);
   const nearest = faces.at(-1);
-  const turnTo = (letter: string) => {
-    session.editor.change("side", (before) => {
-      const now = cameraOf(before);
-      return now ? withCamera(before, poseFromSide(now, letter)) : before;
-    });
-    session.editor.rest();
-  };
   return (
     <svg
       class="cube"
@@ -34,7 +27,7 @@ export function OrientationCube({ session, leads }: CubeProps) {
       aria-label={nearest ? t.viewer.orientation(t.viewer.sides[nearest.letter] ?? "") : ""}
     >
       {faces.map((face) => (
-        <Face key={face.letter} face={face} press={leads ? () => turnTo(face.letter) : null} />
+        <Face key={face.letter} face={face} press={leads ? () => session.guide.viewFrom(face.letter) : null} />
       ))}
     </svg>
   );

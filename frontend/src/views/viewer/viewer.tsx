@@ -18,6 +18,7 @@ import { PictureTimeLine } from "./picture_time";
 import { RecordedInteraction } from "./recording";
 import { SlicesLine } from "./slices/slice_views";
 import { StatusLine } from "./status_line";
+import { TourLine } from "./tour_line";
 import { useKeyCommands } from "./use_key_commands";
 import { useViewerSession } from "./use_viewer_session";
 import { HiddenTable } from "./treatment";
@@ -92,6 +93,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
         {own ? <PictureTimeLine onHide={focusPicture} /> : null}
         <ShotLine shot={shot} />
         {session && role.presents && role.others > 0 ? <RaisedHands session={session} role={role} /> : null}
+        {session && !cutting ? <TourLine session={session} role={role} onVideo={() => setOpen("film")} /> : null}
         {session && !cutting ? <HiddenTable session={session} presents={role.presents} /> : null}
       </StatusLine>
       {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}

@@ -4,7 +4,7 @@ import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { ShareScanDialog } from "../share_scan";
 import { useApp } from "../state";
-import { ExportDialog } from "./export/export_dialog";
+import { ExportDialog, type ExportDialogProps } from "./export/export_dialog";
 import type { Shot } from "./export/shot";
 import { HelpDialog, type HelpDialogProps } from "./help_dialog";
 import { looksOnKeys } from "./looks_on_keys";
@@ -12,7 +12,7 @@ import { RecordingDialog } from "./recording";
 import { SavedPresets } from "./saved_presets";
 import { ShareDialog } from "./share_dialog";
 
-export type OpenDialog = "help" | "share" | "recording" | "scan" | "presets" | "export";
+export type OpenDialog = "help" | "share" | "recording" | "scan" | "presets" | "export" | "film";
 
 export interface ViewerDialogsProps {
   readonly open: OpenDialog | null;
@@ -37,8 +37,15 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
     case "presets":
       return set && session ? <SavedPresets session={session} set={set} onClose={close} /> : null;
     case "export":
+    case "film":
       return session && !isVisitOver(session.connection.value) ? (
-        <ExportOfPicture session={session} role={role} shot={shot} close={close} />
+        <ExportOfPicture
+          session={session}
+          role={role}
+          shot={shot}
+          what={open === "film" ? "around" : "picture"}
+          close={close}
+        />
       ) : null;
     case "recording":
       return <RecordingDialog onClose={close} />;
@@ -52,15 +59,22 @@ function buttonsOf(session: ViewerSession | null, own: boolean, set: DataSet | n
   return { slices, account: own, presets: set !== null, sharing: set?.owned ?? false };
 }
 
-type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "shot" | "close"> & { readonly session: ViewerSession };
+export const maySaveVideos = (session: ViewerSession, role: Role): boolean =>
+  session.audience.value?.downloads ?? !role.guest;
 
-function ExportOfPicture({ session, role, shot, close }: ExportOfPictureProps) {
+type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "shot" | "close"> & {
+  readonly session: ViewerSession;
+  readonly what: ExportDialogProps["what"];
+};
+
+function ExportOfPicture({ session, role, shot, what, close }: ExportOfPictureProps) {
   const app = useApp();
-  const downloads = session.audience.value?.downloads ?? !role.guest;
+  const downloads = maySaveVideos(session, role);
   const hasAccount = Boolean(app.me.value) && !role.guest;
   return (
     <ExportDialog
       session={session}
+      what={what}
       rendered={downloads}
       exportable={hasAccount && downloads && session.slices.available.value}
       guest={role.guest}

@@ -71,7 +71,7 @@ class Audience(_message.Message):
     def __init__(self, you: _Optional[str] = ..., participants: _Optional[_Iterable[_Union[Participant, _Mapping]]] = ..., presenter: _Optional[str] = ..., slices: _Optional[_Union[SliceAccess, str]] = ..., guest_slices: bool = ..., sets_guest_slices: bool = ..., guest_pointers: bool = ..., downloads: bool = ...) -> None: ...
 
 class ClientMessage(_message.Message):
-    __slots__ = ["ack", "depth_query", "error_curve", "file", "file_mark", "file_taken", "free_camera", "guest_pointers", "guest_slices", "handover", "hello", "kernel", "key_view", "mark_sight", "marks", "measurements", "need_key", "pointer", "raise_hand", "scene", "shared_taken", "slice_view", "slices", "visibility"]
+    __slots__ = ["ack", "depth_query", "error_curve", "file", "file_mark", "file_taken", "free_camera", "good_views", "guest_pointers", "guest_slices", "handover", "hello", "kernel", "key_view", "mark_sight", "marks", "measurements", "need_key", "pointer", "raise_hand", "scene", "shared_taken", "slice_view", "slices", "visibility"]
     ACK_FIELD_NUMBER: _ClassVar[int]
     DEPTH_QUERY_FIELD_NUMBER: _ClassVar[int]
     ERROR_CURVE_FIELD_NUMBER: _ClassVar[int]
@@ -79,6 +79,7 @@ class ClientMessage(_message.Message):
     FILE_MARK_FIELD_NUMBER: _ClassVar[int]
     FILE_TAKEN_FIELD_NUMBER: _ClassVar[int]
     FREE_CAMERA_FIELD_NUMBER: _ClassVar[int]
+    GOOD_VIEWS_FIELD_NUMBER: _ClassVar[int]
     GUEST_POINTERS_FIELD_NUMBER: _ClassVar[int]
     GUEST_SLICES_FIELD_NUMBER: _ClassVar[int]
     HANDOVER_FIELD_NUMBER: _ClassVar[int]
@@ -103,6 +104,7 @@ class ClientMessage(_message.Message):
     file_mark: FileMark
     file_taken: FileTaken
     free_camera: FreeCamera
+    good_views: GoodViewsQuery
     guest_pointers: GuestPointers
     guest_slices: GuestSlices
     handover: Handover
@@ -120,7 +122,7 @@ class ClientMessage(_message.Message):
     slice_view: SliceView
     slices: SliceRequest
     visibility: Visibility
-    def __init__(self, hello: _Optional[_Union[Hello, _Mapping]] = ..., scene: _Optional[_Union[SceneUpdate, _Mapping]] = ..., ack: _Optional[_Union[Ack, _Mapping]] = ..., need_key: _Optional[_Union[NeedKey, _Mapping]] = ..., visibility: _Optional[_Union[Visibility, _Mapping]] = ..., handover: _Optional[_Union[Handover, _Mapping]] = ..., free_camera: _Optional[_Union[FreeCamera, _Mapping]] = ..., depth_query: _Optional[_Union[DepthQuery, _Mapping]] = ..., slices: _Optional[_Union[SliceRequest, _Mapping]] = ..., key_view: _Optional[_Union[KeyView, _Mapping]] = ..., file: _Optional[_Union[FileRequest, _Mapping]] = ..., file_taken: _Optional[_Union[FileTaken, _Mapping]] = ..., kernel: _Optional[_Union[KernelQuery, _Mapping]] = ..., guest_slices: _Optional[_Union[GuestSlices, _Mapping]] = ..., error_curve: _Optional[_Union[ErrorCurveQuery, _Mapping]] = ..., slice_view: _Optional[_Union[SliceView, _Mapping]] = ..., measurements: _Optional[_Union[Measurements, _Mapping]] = ..., pointer: _Optional[_Union[PointerMove, _Mapping]] = ..., guest_pointers: _Optional[_Union[GuestPointers, _Mapping]] = ..., shared_taken: _Optional[_Union[SharedTaken, _Mapping]] = ..., marks: _Optional[_Union[Marks, _Mapping]] = ..., mark_sight: _Optional[_Union[MarkSightQuery, _Mapping]] = ..., raise_hand: _Optional[_Union[RaiseHand, _Mapping]] = ..., file_mark: _Optional[_Union[FileMark, _Mapping]] = ...) -> None: ...
+    def __init__(self, hello: _Optional[_Union[Hello, _Mapping]] = ..., scene: _Optional[_Union[SceneUpdate, _Mapping]] = ..., ack: _Optional[_Union[Ack, _Mapping]] = ..., need_key: _Optional[_Union[NeedKey, _Mapping]] = ..., visibility: _Optional[_Union[Visibility, _Mapping]] = ..., handover: _Optional[_Union[Handover, _Mapping]] = ..., free_camera: _Optional[_Union[FreeCamera, _Mapping]] = ..., depth_query: _Optional[_Union[DepthQuery, _Mapping]] = ..., slices: _Optional[_Union[SliceRequest, _Mapping]] = ..., key_view: _Optional[_Union[KeyView, _Mapping]] = ..., file: _Optional[_Union[FileRequest, _Mapping]] = ..., file_taken: _Optional[_Union[FileTaken, _Mapping]] = ..., kernel: _Optional[_Union[KernelQuery, _Mapping]] = ..., guest_slices: _Optional[_Union[GuestSlices, _Mapping]] = ..., error_curve: _Optional[_Union[ErrorCurveQuery, _Mapping]] = ..., slice_view: _Optional[_Union[SliceView, _Mapping]] = ..., measurements: _Optional[_Union[Measurements, _Mapping]] = ..., pointer: _Optional[_Union[PointerMove, _Mapping]] = ..., guest_pointers: _Optional[_Union[GuestPointers, _Mapping]] = ..., shared_taken: _Optional[_Union[SharedTaken, _Mapping]] = ..., marks: _Optional[_Union[Marks, _Mapping]] = ..., mark_sight: _Optional[_Union[MarkSightQuery, _Mapping]] = ..., raise_hand: _Optional[_Union[RaiseHand, _Mapping]] = ..., file_mark: _Optional[_Union[FileMark, _Mapping]] = ..., good_views: _Optional[_Union[GoodViewsQuery, _Mapping]] = ...) -> None: ...
 
 class Config(_message.Message):
     __slots__ = ["codec", "device", "engine", "follower", "histogram", "input_seq", "presets", "protocol", "scene", "session_id", "slice_stacks", "treatment", "volume"]
@@ -319,6 +321,29 @@ class FreeCamera(_message.Message):
     ON_FIELD_NUMBER: _ClassVar[int]
     on: bool
     def __init__(self, on: bool = ...) -> None: ...
+
+class GoodViews(_message.Message):
+    __slots__ = ["high", "low", "views"]
+    class View(_message.Message):
+        __slots__ = ["azimuth", "elevation", "entropy"]
+        AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+        ELEVATION_FIELD_NUMBER: _ClassVar[int]
+        ENTROPY_FIELD_NUMBER: _ClassVar[int]
+        azimuth: float
+        elevation: float
+        entropy: float
+        def __init__(self, azimuth: _Optional[float] = ..., elevation: _Optional[float] = ..., entropy: _Optional[float] = ...) -> None: ...
+    HIGH_FIELD_NUMBER: _ClassVar[int]
+    LOW_FIELD_NUMBER: _ClassVar[int]
+    VIEWS_FIELD_NUMBER: _ClassVar[int]
+    high: _scene_pb2.Vec3
+    low: _scene_pb2.Vec3
+    views: _containers.RepeatedCompositeFieldContainer[GoodViews.View]
+    def __init__(self, views: _Optional[_Iterable[_Union[GoodViews.View, _Mapping]]] = ..., low: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., high: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ...) -> None: ...
+
+class GoodViewsQuery(_message.Message):
+    __slots__ = []
+    def __init__(self) -> None: ...
 
 class GuestPointers(_message.Message):
     __slots__ = ["on"]
@@ -586,7 +611,7 @@ class SceneUpdate(_message.Message):
     def __init__(self, input_seq: _Optional[int] = ..., scene: _Optional[_Union[_scene_pb2.Scene, _Mapping]] = ..., viewport: _Optional[_Union[Viewport, _Mapping]] = ..., raw: bool = ..., rest: bool = ..., effort: _Optional[_Union[Effort, _Mapping]] = ...) -> None: ...
 
 class ServerMessage(_message.Message):
-    __slots__ = ["audience", "config", "depth", "error_curve", "file_part", "file_progress", "frame", "kernel", "labels", "look", "mark_sight", "problem", "shared", "slice", "slices_stale", "state", "stats", "still"]
+    __slots__ = ["audience", "config", "depth", "error_curve", "file_part", "file_progress", "frame", "good_views", "kernel", "labels", "look", "mark_sight", "problem", "shared", "slice", "slices_stale", "state", "stats", "still"]
     AUDIENCE_FIELD_NUMBER: _ClassVar[int]
     CONFIG_FIELD_NUMBER: _ClassVar[int]
     DEPTH_FIELD_NUMBER: _ClassVar[int]
@@ -594,6 +619,7 @@ class ServerMessage(_message.Message):
     FILE_PART_FIELD_NUMBER: _ClassVar[int]
     FILE_PROGRESS_FIELD_NUMBER: _ClassVar[int]
     FRAME_FIELD_NUMBER: _ClassVar[int]
+    GOOD_VIEWS_FIELD_NUMBER: _ClassVar[int]
     KERNEL_FIELD_NUMBER: _ClassVar[int]
     LABELS_FIELD_NUMBER: _ClassVar[int]
     LOOK_FIELD_NUMBER: _ClassVar[int]
@@ -612,6 +638,7 @@ class ServerMessage(_message.Message):
     file_part: FilePart
     file_progress: FileProgress
     frame: Frame
+    good_views: GoodViews
     kernel: KernelReport
     labels: Labels
     look: Look
@@ -623,7 +650,7 @@ class ServerMessage(_message.Message):
     state: State
     stats: Stats
     still: Still
-    def __init__(self, config: _Optional[_Union[Config, _Mapping]] = ..., frame: _Optional[_Union[Frame, _Mapping]] = ..., still: _Optional[_Union[Still, _Mapping]] = ..., state: _Optional[_Union[State, _Mapping]] = ..., stats: _Optional[_Union[Stats, _Mapping]] = ..., problem: _Optional[_Union[Problem, _Mapping]] = ..., audience: _Optional[_Union[Audience, _Mapping]] = ..., look: _Optional[_Union[Look, _Mapping]] = ..., depth: _Optional[_Union[Depth, _Mapping]] = ..., slice: _Optional[_Union[ExactSlice, _Mapping]] = ..., file_progress: _Optional[_Union[FileProgress, _Mapping]] = ..., file_part: _Optional[_Union[FilePart, _Mapping]] = ..., kernel: _Optional[_Union[KernelReport, _Mapping]] = ..., slices_stale: _Optional[_Union[SlicesStale, _Mapping]] = ..., error_curve: _Optional[_Union[ErrorCurve, _Mapping]] = ..., shared: _Optional[_Union[SharedState, _Mapping]] = ..., mark_sight: _Optional[_Union[MarkSight, _Mapping]] = ..., labels: _Optional[_Union[Labels, _Mapping]] = ...) -> None: ...
+    def __init__(self, config: _Optional[_Union[Config, _Mapping]] = ..., frame: _Optional[_Union[Frame, _Mapping]] = ..., still: _Optional[_Union[Still, _Mapping]] = ..., state: _Optional[_Union[State, _Mapping]] = ..., stats: _Optional[_Union[Stats, _Mapping]] = ..., problem: _Optional[_Union[Problem, _Mapping]] = ..., audience: _Optional[_Union[Audience, _Mapping]] = ..., look: _Optional[_Union[Look, _Mapping]] = ..., depth: _Optional[_Union[Depth, _Mapping]] = ..., slice: _Optional[_Union[ExactSlice, _Mapping]] = ..., file_progress: _Optional[_Union[FileProgress, _Mapping]] = ..., file_part: _Optional[_Union[FilePart, _Mapping]] = ..., kernel: _Optional[_Union[KernelReport, _Mapping]] = ..., slices_stale: _Optional[_Union[SlicesStale, _Mapping]] = ..., error_curve: _Optional[_Union[ErrorCurve, _Mapping]] = ..., shared: _Optional[_Union[SharedState, _Mapping]] = ..., mark_sight: _Optional[_Union[MarkSight, _Mapping]] = ..., labels: _Optional[_Union[Labels, _Mapping]] = ..., good_views: _Optional[_Union[GoodViews, _Mapping]] = ...) -> None: ...
 
 class SharedState(_message.Message):
     __slots__ = ["marks", "measurements", "pointers", "seq", "slice_view"]

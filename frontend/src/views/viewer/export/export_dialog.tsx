@@ -11,6 +11,8 @@ import type { ExportOrder } from "./shot";
 
 export interface ExportDialogProps {
   readonly session: ViewerSession;
+  /** What is chosen at first. */
+  readonly what: keyof typeof t.take.kinds;
   /** Whether the owner of the scan allows videos, and pictures of any size. */
   readonly rendered: boolean;
   /** Whether the viewer is a guest of someone's session, who gets only the picture on the screen. */
@@ -23,9 +25,10 @@ export interface ExportDialogProps {
   readonly onClose: () => void;
 }
 
-export function ExportDialog({ session, rendered, guest, exportable, busy, onExport, onClose }: ExportDialogProps) {
+export function ExportDialog(props: ExportDialogProps) {
+  const { session, what: first, rendered, guest, exportable, busy, onExport, onClose } = props;
   const text = t.take;
-  const [what, setWhat] = useState<keyof typeof text.kinds>("picture");
+  const [what, setWhat] = useState(first);
   return (
     <Dialog title={text.title} onClose={onClose}>
       <section class="share-part" aria-labelledby="take-picture">

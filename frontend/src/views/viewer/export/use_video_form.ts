@@ -23,7 +23,7 @@ import {
 
 export interface VideoFormProps {
   readonly session: ViewerSession;
-  readonly kind: "turntable" | "tour";
+  readonly kind: "turntable" | "around" | "tour";
   readonly busy: boolean;
   readonly onExport: (order: FileOrder) => void;
 }
@@ -56,7 +56,7 @@ const noFaults: Faults = { seconds: "", form: "" };
 /** The entries of the video form, their errors, and the resulting order. */
 export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
   const app = useApp();
-  const [entries, setEntries] = useState(firstEntries);
+  const [entries, setEntries] = useState({ ...firstEntries, seconds: kind === "around" ? "20" : "8" });
   const [faults, setFaults] = useState(noFaults);
   const [preparing, setPreparing] = useState(false);
   const here = useIsMounted();
@@ -66,6 +66,11 @@ export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
     setFaults(noFaults);
     set(part);
   };
+  /** Returns the scenes of the key views, or null if there are none. */
+  const keysOf = async (scene: Scene, chosen: readonly KeyView[]): Promise<Scene[] | null> => {
+    if (kind === "around") return session.guide.tour.videoScenes(scene);
+    return kind === "tour" ? keyScenes(app.api.presets, chosen, session.editor, scene) : [scene];
+  };
   const submit = async () => {
     const scene = session.editor.scene.value;
     const seconds = typedSeconds(entries.seconds);
@@ -74,11 +79,27 @@ export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
     if (!scene || seconds === null || hasWrongViews(kind, chosen)) return;
     setPreparing(true);
     try {
-      const keys = kind === "tour" ? await keyScenes(app.api.presets, chosen, session.editor, scene) : [scene];
+      const keys = await keysOf(scene, chosen);
+      if (!keys) {
+        setFaults({ seconds: "", form: t.settings.view[session.guide.tour.fault.value ?? "unanswered"] });
+        setPreparing(false);
+        return;
+      }
       const size = videoSize(session.viewport, videoSides[entries.size]);
       const error = videoErrors[entries.quality];
       const marks = entries.withMarks ? await fileMarksOf(session, size) : { unit: 1, items: [] };
-      if (here.current) onExport(videoOrder({ kind, keys, size, seconds, rate: Number(entries.rate), error, marks }));
+      if (here.current)
+        onExport(
+          videoOrder({
+            kind: kind === "turntable" ? kind : "tour",
+            keys,
+            size,
+            seconds,
+            rate: Number(entries.rate),
+            error,
+            marks,
+          }),
+        );
     } catch (thrown) {
       setFaults({ seconds: "", form: app.explain(thrown) });
     }

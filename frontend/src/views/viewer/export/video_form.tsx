@@ -37,7 +37,7 @@ export function VideoForm(props: VideoFormProps) {
         void submit();
       }}
     >
-      <p class="muted">{kind === "tour" ? text.tourLead : text.turntableLead}</p>
+      <p class="muted">{text[`${kind}Lead`]}</p>
       {kind === "tour" && session.dataSetId !== null ? (
         <ViewList
           dataSetId={session.dataSetId}

@@ -1,7 +1,7 @@
 import type { Area } from "../../../input/flat";
 
 /** The layout of the settings windows as plain data: which ones are open, and where. */
-export const windowNames = ["look", "light", "lens", "cuts", "labels", "marks"] as const;
+export const windowNames = ["view", "look", "light", "lens", "cuts", "labels", "marks"] as const;
 export type WindowName = (typeof windowNames)[number];
 
 /**

@@ -1,6 +1,7 @@
 import { useRef, useState } from "preact/hooks";
 import type { Channel, TransferFunction } from "../../../protocol/gen/api/proto/scene_pb";
 import { Modality } from "../../../protocol/messages";
+import { comfortLimits, hasComfort } from "../../../scene/comfort";
 import * as transfer from "../../../scene/transfer";
 import { local } from "../../../storage";
 import { t } from "../../../texts";
@@ -42,6 +43,7 @@ export function LookWindow({ session, leads }: WindowProps) {
   const values = { low: volume?.minimum ?? 0, high: volume?.maximum ?? 100 };
   return (
     <>
+      <Comfort session={session} leads={leads} />
       <ChannelList
         channels={all.channels}
         chosen={selected.channel}
@@ -158,6 +160,26 @@ function MaterialColour({ channel, edits }: { readonly channel: Channel; readonl
       rest={edits.rest}
       change={(diffuse, held) => edits.setMaterial("colour", { diffuse }, held)}
     />
+  );
+}
+
+/** How blood and bone are coloured, if the scene shows any. */
+function Comfort({ session }: WindowProps) {
+  const { editor } = session;
+  const text = t.settings.look.comfort;
+  if (!editor.scene.value || !hasComfort(editor.scene.value)) return null;
+  return (
+    <div class="comfort">
+      <NumberControl
+        label={text.name}
+        value={editor.comfort()}
+        limits={comfortLimits}
+        step={0.1}
+        rest={() => editor.rest()}
+        change={(value, held) => editor.setComfort(value, held)}
+      />
+      <p class="hint">{text.help}</p>
+    </div>
   );
 }
 

@@ -12,6 +12,7 @@ import { LookWindow } from "./look_window";
 import { LabelsWindow } from "../../labels/labels_window";
 import { hasWindow, SettingsMenu } from "./settings_menu";
 import { SettingsWindow } from "./settings_window";
+import { ViewWindow } from "./view_window";
 import { useWindowLayout } from "./use_window_layout";
 
 export interface SettingsProps {
@@ -24,6 +25,7 @@ export interface SettingsProps {
 }
 
 const views = {
+  view: ViewWindow,
   look: LookWindow,
   light: LightWindow,
   lens: LensWindow,
@@ -39,6 +41,7 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
   const menu = useRef<HTMLElement>(null);
   const { layout, shown, fresh, toggle, close, move, dock } = useWindowLayout(narrow, menu);
   useUndoKeys(session, leads);
+  useRoomForTour(session, narrow && shown.includes("view"), () => close("view"));
   useOpenHandles(picture, shown.join(), leads, cuts);
   useMarkEditing(session, shown.includes("marks"));
   return (
@@ -48,8 +51,11 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
         .filter((name) => hasWindow(session, name))
         .map((name) => {
           const View = views[name];
-          const reset = () => (name === "marks" ? session.marks.clear() : session.reset(name));
-          const isReset = name === "marks" && !session.marks.items.value.some((mark) => session.marks.isOwn(mark));
+          const reset = () => {
+            if (name === "marks") session.marks.clear();
+            else if (name !== "view") session.reset(name);
+          };
+          const isReset = name === "view" || (name === "marks" && !hasOwnMarks(session));
           const mayChange = name === "marks" || (leads && (name !== "cuts" || cuts));
           return (
             <SettingsWindow
@@ -73,6 +79,8 @@ export function Settings({ session, leads, cuts, picture }: SettingsProps) {
   );
 }
 
+const hasOwnMarks = ({ marks }: ViewerSession): boolean => marks.items.value.some((mark) => marks.isOwn(mark));
+
 /** Shows the handles of the open windows in the picture. `openNames` is a string, so that the effect can compare it. */
 function useOpenHandles(picture: InPicture, openNames: string, leads: boolean, cuts: boolean): void {
   useEffect(() => {
@@ -87,6 +95,14 @@ function useMarkEditing({ marks }: ViewerSession, open: boolean): void {
     marks.editing.value = open;
     if (!open) marks.tool.value = null;
   }, [marks, open]);
+}
+
+/** Closes the window that started a tour if it is a sheet, which leaves too little of the picture. */
+function useRoomForTour({ guide }: ViewerSession, covered: boolean, close: () => void): void {
+  const state = guide.tour.state.value;
+  useEffect(() => {
+    if (covered && state === "moving") close();
+  }, [covered, state]); // eslint-disable-line react-hooks/exhaustive-deps -- once per tour
 }
 
 function useUndoKeys(session: ViewerSession, leads: boolean): void {

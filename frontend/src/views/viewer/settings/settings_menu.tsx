@@ -5,6 +5,7 @@ import { Icon, type IconName } from "../../icons";
 import { windowNames, type WindowName } from "./layout";
 
 const icons: Readonly<Record<WindowName, IconName>> = {
+  view: "eye",
   look: "palette",
   light: "lamp",
   lens: "aperture",

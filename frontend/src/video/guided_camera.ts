@@ -1,0 +1,61 @@
+import { poseFromSide } from "../input/cube";
+import type { After } from "../live/paced";
+import type { Viewport } from "../protocol/messages";
+import { CameraMotion } from "./camera_motion";
+import type { SceneEditor } from "./scene_editor";
+import { Tour } from "./tour";
+
+export interface GuideParts {
+  readonly editor: SceneEditor;
+  readonly leads: () => boolean;
+  readonly canvasSize: () => Viewport;
+  /** Asks the worker for good views of the scene. Returns false without a connection. */
+  readonly askForViews: () => boolean;
+  /** The newest input that was sent, and the one that the picture on the screen shows. */
+  readonly sentInput: () => number;
+  readonly shownInput: () => number;
+  readonly after: After;
+}
+
+const isCalm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+/** Moves the presenter's camera on its own: to standard views, and on a tour. */
+export class GuidedCamera {
+  readonly tour: Tour;
+  private readonly motion: CameraMotion;
+
+  constructor(private readonly parts: GuideParts) {
+    const { editor } = parts;
+    this.motion = new CameraMotion({
+      editor,
+      nextFrame: (task) => requestAnimationFrame(task),
+      nowMs: () => performance.now(),
+      isCalm,
+    });
+    this.tour = new Tour({
+      ...parts,
+      motion: this.motion,
+      ask: parts.askForViews,
+      aspect: () => parts.canvasSize().width / parts.canvasSize().height,
+      isCalm,
+    });
+  }
+
+  /** Turns the picture to a side of the patient, framed as at the start. `letter` is that of the orientation cube. */
+  viewFrom(letter: string): void {
+    const home = this.parts.editor.home();
+    if (!home || !this.parts.leads()) return;
+    this.tour.stop();
+    this.motion.flyTo(poseFromSide(home, letter), `side ${letter}`);
+  }
+
+  /** Runs `resize`, which may reframe the picture for a window of another shape. A tour continues in the new shape. */
+  during(resize: () => void): void {
+    this.motion.during(() => this.tour.during(resize));
+  }
+
+  close(): void {
+    this.tour.close();
+    this.motion.close();
+  }
+}

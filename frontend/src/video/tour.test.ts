@@ -1,0 +1,220 @@
+import { create } from "@bufbuild/protobuf";
+import { beforeEach, describe, expect, it } from "vitest";
+import { orbitOf, type CameraPose } from "../input/camera";
+import { turnBetween } from "../input/camera_path";
+import { vec3 } from "../input/vec3";
+import { PresetSchema } from "../protocol/gen/api/proto/scene_pb";
+import { ConfigSchema, GoodViewsSchema } from "../protocol/gen/api/proto/stream_pb";
+import { cameraOf, type Scene } from "../protocol/messages";
+import { someScene } from "../scene/testing";
+import { CameraMotion } from "./camera_motion";
+import { SceneEditor } from "./scene_editor";
+import { Tour } from "./tour";
+
+/** Returns a value that the test has put there. */
+function sure<Value>(value: Value | null | undefined): Value {
+  if (value === null || value === undefined) throw new Error("The value is missing.");
+  return value;
+}
+
+const goodViews = create(GoodViewsSchema, {
+  views: [-180, -120, -60, 0, 60, 120].map((azimuth) => ({ azimuth, elevation: 5, entropy: 9 })),
+  low: { x: -80, y: -90, z: -100 },
+  high: { x: 80, y: 90, z: 100 },
+});
+
+let leads: boolean;
+let calm: boolean;
+let nowMs: number;
+let frames: (() => void)[];
+let sent: Scene[];
+let rests: number;
+let shownInput: number;
+let editor: SceneEditor;
+let motion: CameraMotion;
+let tour: Tour;
+
+beforeEach(() => {
+  [leads, calm, nowMs, frames, sent, rests, shownInput] = [true, false, 0, [], [], 0, 0];
+  editor = new SceneEditor({
+    leads: () => leads,
+    canvasSize: () => ({ width: 400, height: 300 }),
+    send: (scene) => sent.push(scene),
+    rest: () => (rests += 1),
+  });
+  const scene = someScene();
+  editor.configured(create(ConfigSchema, { scene, presets: [create(PresetSchema, { name: "bone", scene })] }), true);
+  motion = new CameraMotion({
+    editor,
+    nextFrame: (task) => frames.push(task),
+    nowMs: () => nowMs,
+    isCalm: () => calm,
+  });
+  tour = new Tour({
+    editor,
+    motion,
+    ask: () => true,
+    leads: () => leads,
+    aspect: () => 4 / 3,
+    sentInput: () => sent.length,
+    shownInput: () => shownInput,
+    after: () => () => undefined,
+    isCalm: () => calm,
+  });
+});
+
+/** Lets time pass in frames of the screen. Pictures are `late` inputs behind. */
+function pass(count: number, ms = 16, late = 2): void {
+  for (let i = 0; i < count; ++i) {
+    nowMs += ms;
+    shownInput = Math.max(shownInput, sent.length - late);
+    for (const task of frames.splice(0)) task();
+  }
+}
+
+const start = async (views = goodViews) => {
+  const started = tour.toggle();
+  tour.receive(views);
+  await started;
+};
+const pose = (): CameraPose => sure(cameraOf(sure(editor.scene.value)));
+const turns = (scenes: readonly Scene[]) =>
+  scenes
+    .slice(1)
+    .map((scene, i) => turnBetween(orbitOf(sure(cameraOf(sure(scenes[i])))), orbitOf(sure(cameraOf(scene)))));
+
+describe("Show me around", () => {
+  it("turns once around and comes to rest, as one undo step", async () => {
+    const before = pose();
+    await start();
+    expect(tour.state.value).toBe("moving");
+    pass(5000);
+    expect(tour.state.value).toBe("off");
+    expect(rests).toBe(1);
+    expect(Math.max(...turns(sent))).toBeLessThanOrEqual(3);
+    expect(turns(sent).reduce((sum, turn) => sum + turn)).toBeGreaterThan(340); // 360 degrees seen from a little above
+    editor.undo();
+    expect(pose()).toEqual(before);
+  });
+  it("waits for the picture, so that no two shown pictures are more than 3 degrees apart", async () => {
+    await start();
+    let last = sent.length;
+    const shown: Scene[] = [];
+    for (let picture = 0; picture < 60; ++picture) {
+      pass(40, 16, Infinity); // a slow server: 40 refreshes of the screen without a picture
+      shownInput = sent.length;
+      expect(sent.length).toBeGreaterThan(last);
+      last = sent.length;
+      shown.push(sure(sent.at(-1)));
+    }
+    expect(Math.max(...turns(shown))).toBeLessThanOrEqual(3 + 1e-6);
+  });
+  it("pauses, and continues from there", async () => {
+    await start();
+    pass(100);
+    tour.pauseOrContinue();
+    expect([tour.state.value, rests]).toEqual(["paused", 1]);
+    const [paused, count] = [pose(), sent.length];
+    pass(100);
+    expect(sent.length).toBe(count);
+    tour.pauseOrContinue();
+    pass(1);
+    expect(turnBetween(orbitOf(paused), orbitOf(pose()))).toBeLessThan(1);
+    pass(5000);
+    expect(tour.state.value).toBe("off");
+  });
+  it("stops by any gesture, moving or paused, and leaves the camera there", async () => {
+    for (const paused of [false, true]) {
+      await start();
+      pass(100);
+      if (paused) tour.pauseOrContinue();
+      editor.act({ kind: "rotate", right: 0.2, down: 0 });
+      const after = pose();
+      expect(tour.state.value).toBe("off");
+      pass(100);
+      expect(pose()).toEqual(after);
+    }
+  });
+  it("continues with another look or after the window has changed its shape", async () => {
+    await start();
+    pass(100);
+    editor.change("density", (scene) => ({ ...scene, bounces: 3 }));
+    expect(tour.state.value).toBe("moving");
+    motion.during(() =>
+      tour.during(() => {
+        editor.resized({ width: 400, height: 300 }, { width: 300, height: 600 });
+      }),
+    );
+    expect(tour.state.value).toBe("moving");
+    pass(10);
+    expect(tour.state.value).toBe("moving");
+  });
+  it("stops when somebody else presents, and starts only for the presenter", async () => {
+    await start();
+    pass(10);
+    leads = false;
+    pass(10);
+    expect(tour.state.value).toBe("off");
+    await tour.toggle();
+    expect(tour.state.value).toBe("off");
+  });
+  it("says why there is none", async () => {
+    await start(create(GoodViewsSchema));
+    expect([tour.state.value, tour.fault.value]).toEqual(["off", "nothing"]);
+    const started = tour.toggle();
+    tour.receive(null);
+    await started;
+    expect([tour.state.value, tour.fault.value]).toEqual(["off", "unanswered"]);
+  });
+  it("can be stopped before the answer", async () => {
+    const started = tour.toggle();
+    await tour.toggle();
+    tour.receive(goodViews);
+    await started;
+    pass(10);
+    expect([tour.state.value, sent.length]).toEqual(["off", 0]);
+  });
+  it("shows still views to users who prefer reduced motion", async () => {
+    calm = true;
+    await start();
+    pass(60_000 / 16);
+    expect(sent.length).toBeLessThanOrEqual(9);
+    expect(sent.length).toBeGreaterThanOrEqual(7);
+    expect(tour.state.value).toBe("off");
+  });
+  it("has 16 key views for a video", async () => {
+    const scenes = tour.videoScenes(sure(editor.scene.value));
+    tour.receive(goodViews);
+    const keys = await scenes;
+    expect(keys).toHaveLength(16);
+    expect(keys?.map(({ lights }) => lights)).toEqual(Array(16).fill(editor.scene.value?.lights));
+  });
+});
+
+describe("the way to a side", () => {
+  const side = { eye: vec3(900, 0, 0), target: vec3(0, 0, 0), up: vec3(0, 0, 1), verticalFovDegrees: 30 };
+  it("takes time, ends exactly there and is one undo step", () => {
+    const before = pose();
+    motion.flyTo(side, "side L");
+    pass(3);
+    expect(turnBetween(orbitOf(pose()), orbitOf(side))).toBeGreaterThan(5);
+    pass(100);
+    expect(pose()).toEqual(side);
+    expect(rests).toBe(1);
+    editor.undo();
+    expect(pose()).toEqual(before);
+  });
+  it("is a jump for users who prefer reduced motion", () => {
+    calm = true;
+    motion.flyTo(side, "side L");
+    expect(pose()).toEqual(side);
+  });
+  it("ends with a gesture", () => {
+    motion.flyTo(side, "side L");
+    pass(3);
+    editor.act({ kind: "zoom", factor: 1.1 });
+    const after = pose();
+    pass(100);
+    expect(pose()).toEqual(after);
+  });
+});

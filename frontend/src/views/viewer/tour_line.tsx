@@ -1,0 +1,72 @@
+import { useEffect } from "preact/hooks";
+import { t } from "../../texts";
+import type { Role } from "../../live/role";
+import { maySaveVideos } from "./viewer_dialogs";
+import type { ViewerSession } from "../../video/viewer_session";
+
+export interface TourLineProps {
+  readonly session: ViewerSession;
+  readonly role: Role;
+  /** Opens the form for a video of the tour. */
+  readonly onVideo: () => void;
+}
+
+/** The state of the tour, with its controls. Escape stops the tour from anywhere on the page. */
+export function TourLine({ session, role, onVideo }: TourLineProps) {
+  const { tour } = session.guide;
+  const state = tour.state.value;
+  const fault = tour.fault.value;
+  const text = t.settings.view;
+  useStopKey(session, state !== "off");
+  if (!role.presents || (state === "off" && fault === null)) return null;
+  if (state === "off")
+    return (
+      <p class="glass pill tour-line">
+        <span>{text[fault ?? "unanswered"]}</span>
+        <button type="button" class="button button-small" onClick={() => (tour.fault.value = null)}>
+          {t.close}
+        </button>
+      </p>
+    );
+  const line = state === "asking" ? text.looking : state === "paused" ? text.paused : text.touring;
+  return (
+    <p class="glass pill tour-line" data-tour={state}>
+      <span>{line}</span>
+      <span class="tour-buttons">
+        {state === "asking" ? null : (
+          <button type="button" class="button button-small" onClick={() => tour.pauseOrContinue()}>
+            {state === "paused" ? text.goOn : text.pause}
+          </button>
+        )}
+        <button type="button" class="button button-small" onClick={() => tour.stop()}>
+          {text.stop}
+        </button>
+        {state === "asking" || !maySaveVideos(session, role) ? null : (
+          <button
+            type="button"
+            class="button button-small"
+            onClick={() => {
+              if (state === "moving") tour.pauseOrContinue();
+              onVideo();
+            }}
+          >
+            {text.video}
+          </button>
+        )}
+      </span>
+    </p>
+  );
+}
+
+function useStopKey(session: ViewerSession, active: boolean): void {
+  useEffect(() => {
+    if (!active) return;
+    const pressed = (event: KeyboardEvent) => {
+      if (event.key !== "Escape" || event.defaultPrevented || document.querySelector("dialog[open]")) return;
+      event.preventDefault();
+      session.guide.tour.stop();
+    };
+    addEventListener("keydown", pressed);
+    return () => removeEventListener("keydown", pressed);
+  }, [session, active]);
+}
