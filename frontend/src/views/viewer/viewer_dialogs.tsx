@@ -3,7 +3,6 @@ import type { Role } from "../../live/role";
 import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { ShareScanDialog } from "../share_scan";
-import { useApp } from "../state";
 import { ExportDialog } from "./export/export_dialog";
 import type { Shot } from "./export/shot";
 import { HelpDialog, type HelpDialogProps } from "./help_dialog";
@@ -38,7 +37,7 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
       return set && session ? <SavedPresets session={session} set={set} onClose={close} /> : null;
     case "export":
       return session && !isVisitOver(session.connection.value) ? (
-        <ExportOfPicture session={session} role={role} shot={shot} close={close} />
+        <ExportOfPicture session={session} role={role} set={set} shot={shot} close={close} />
       ) : null;
     case "recording":
       return <RecordingDialog onClose={close} />;
@@ -52,17 +51,14 @@ function buttonsOf(session: ViewerSession | null, own: boolean, set: DataSet | n
   return { slices, account: own, presets: set !== null, sharing: set?.owned ?? false };
 }
 
-type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "shot" | "close"> & { readonly session: ViewerSession };
+type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "set" | "shot" | "close"> & { readonly session: ViewerSession };
 
-function ExportOfPicture({ session, role, shot, close }: ExportOfPictureProps) {
-  const app = useApp();
-  const downloads = session.audience.value?.downloads ?? !role.guest;
-  const hasAccount = Boolean(app.me.value) && !role.guest;
+function ExportOfPicture({ session, role, set, shot, close }: ExportOfPictureProps) {
   return (
     <ExportDialog
       session={session}
-      rendered={downloads}
-      exportable={hasAccount && downloads && session.slices.available.value}
+      rendered={session.audience.value?.downloads ?? !role.guest}
+      exportable={!role.guest && (set?.owned ?? false)}
       guest={role.guest}
       busy={shot.state?.kind === "rendering"}
       onExport={(order) => {
