@@ -7,7 +7,7 @@ CREATE TABLE scan_exports (
   label         bigint,                         -- number of the label whose surface it is, or
   above         int,                            -- smallest value that the surface encloses
   state         text NOT NULL CHECK (state IN ('queued', 'ready', 'failed')),
-  bytes         bigint,
+  bytes         bigint,                         -- of the file, or reserved for it while it is queued
   problem_code  text,                           -- why it failed
   problem_text  text,
   attempts      int NOT NULL DEFAULT 0,         -- claims that ended without a result
@@ -35,3 +35,13 @@ BEGIN
 END $$;
 CREATE TRIGGER files_of_scan_exports AFTER DELETE ON scan_exports
   FOR EACH ROW EXECUTE FUNCTION dispose_of_scan_export();
+
+-- A scan that is no longer ready is being anonymised, so its exports contain what will be removed. A trigger also covers
+-- an api of an earlier version, which does not know of exports.
+CREATE FUNCTION end_scan_exports() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  DELETE FROM scan_exports WHERE data_set_id = NEW.id;
+  RETURN NULL;
+END $$;
+CREATE TRIGGER exports_of_changed_scans AFTER UPDATE OF state ON data_sets
+  FOR EACH ROW WHEN (OLD.state = 'ready' AND NEW.state <> 'ready') EXECUTE FUNCTION end_scan_exports();

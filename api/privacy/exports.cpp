@@ -184,7 +184,8 @@ bool Exports::sweep() {
        entry.increment(error)) {
     std::string id = entry->path().filename();
     if (id.starts_with(kUnfinished)) {
-      id.erase(0, kUnfinished.size());
+      // That of a scan has a second ID behind it.
+      id = id.substr(kUnfinished.size(), new_id().size());
     } else {
       // Exports of accounts, and those of scans, which ingestd writes.
       for (const std::string_view ending : {".zip", ".scan"}) {

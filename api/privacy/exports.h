@@ -40,7 +40,7 @@ class ExportStore {
   struct Sizes {
     /// Size of the user's volumes, which make up nearly all of the export.
     std::int64_t volumes = 0;
-    std::int64_t kept = 0;  ///< size of all exports that are ready
+    std::int64_t kept = 0;  ///< size of all exports that are ready, and of those of scans
   };
   virtual ~ExportStore() = default;
   /// Replaces the user's existing export. Returns false if that one did not fail and was created

@@ -312,8 +312,9 @@ TEST_F(ExportsTest, AnExportThatMayBeReadyKeepsItsFile) {
 
 TEST_F(ExportsTest, FilesWithoutAnExportAreDeleted) {
   const std::string orphan = new_id(), kept = new_id();
+  const std::string of_scan = ".tmp-" + orphan + "-" + new_id();
   for (const auto& name :
-       {orphan + ".zip", ".tmp-" + orphan, kept + ".zip", std::string("other")}) {
+       {orphan + ".zip", ".tmp-" + orphan, of_scan, kept + ".zip", std::string("other")}) {
     disk.write("exports/" + name, "..");
   }
   store.exports["bert"].id = kept;
@@ -324,6 +325,7 @@ TEST_F(ExportsTest, FilesWithoutAnExportAreDeleted) {
   exports->poll();
   EXPECT_FALSE(disk.has("exports/" + orphan + ".zip"));
   EXPECT_FALSE(disk.has("exports/.tmp-" + orphan));
+  EXPECT_FALSE(disk.has("exports/" + of_scan));
   EXPECT_TRUE(disk.has("exports/" + kept + ".zip"));
   EXPECT_TRUE(disk.has("exports/other"));
 }

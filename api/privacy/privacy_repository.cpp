@@ -242,7 +242,8 @@ Result<ExportStore::Sizes> PrivacyRepository::sizes(const std::string& user_id) 
         R"sql(
         SELECT COALESCE((SELECT sum(volume_bytes + label_bytes) FROM data_sets
                           WHERE owner_id = $1::uuid AND state = 'ready'), 0)::bigint AS volume_bytes,
-               COALESCE((SELECT sum(bytes) FROM exports WHERE state = 'ready'), 0)::bigint AS export_bytes)sql",
+               (COALESCE((SELECT sum(bytes) FROM exports WHERE state = 'ready'), 0)
+              + COALESCE((SELECT sum(bytes) FROM scan_exports), 0))::bigint AS export_bytes)sql",
         user_id);
     return Sizes{row["volume_bytes"].as<std::int64_t>(), row["export_bytes"].as<std::int64_t>()};
   });

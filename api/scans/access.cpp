@@ -28,8 +28,9 @@ constexpr unsigned kSee = all_of({Action::kFind, Action::kLook});
 constexpr unsigned kTakePart =
     kSee | all_of({Action::kInvite, Action::kSavePreset, Action::kVote, Action::kReport});
 /// Actions that an owner may perform in any state.
-constexpr unsigned kKeep = kSee | all_of({Action::kSavePreset, Action::kDescribe,
-                                          Action::kReadViews, Action::kAnonymise, Action::kDelete});
+constexpr unsigned kKeep =
+    kSee | all_of({Action::kSavePreset, Action::kDescribe, Action::kReadViews, Action::kAnonymise,
+                   Action::kExport, Action::kDelete});
 constexpr unsigned kJudge = kSee | bit(Action::kTakeDown);
 
 unsigned allowed_when_private(Role role) {

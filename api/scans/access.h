@@ -34,13 +34,14 @@ enum class Action {
   kReadViews,   ///< see who viewed it
   kPublish,     ///< add it to the gallery or remove it
   kAnonymise,   ///< remove voxels
+  kExport,      ///< take it along as a file for other programs
   kDelete,      ///< delete it with everything derived from it
   kTakeDown,    ///< take down and restore it; delete any preset; read reports
 };
 inline constexpr std::array kActions{
-    Action::kFind,      Action::kLook,     Action::kInvite,  Action::kSavePreset, Action::kVote,
-    Action::kReport,    Action::kDescribe, Action::kShare,   Action::kReadViews,  Action::kPublish,
-    Action::kAnonymise, Action::kDelete,   Action::kTakeDown};
+    Action::kFind,      Action::kLook,     Action::kInvite, Action::kSavePreset, Action::kVote,
+    Action::kReport,    Action::kDescribe, Action::kShare,  Action::kReadViews,  Action::kPublish,
+    Action::kAnonymise, Action::kExport,   Action::kDelete, Action::kTakeDown};
 
 enum class Exposure {
   kPrivate,

@@ -33,8 +33,6 @@ Result<void> CutRepository::order(const CutOrder& order, Time now) {
         INSERT INTO disposals (kind, id) SELECT 'preset', id FROM presets WHERE data_set_id = $1
         ON CONFLICT DO NOTHING)sql",
         order.data_set_id);
-    // Their files contain the parts that will be removed.
-    transaction.exec_params0("DELETE FROM scan_exports WHERE data_set_id = $1", order.data_set_id);
     transaction.exec_params0(
         R"sql(
         INSERT INTO ingest_jobs (data_set_id, cut, cut_of, asked_by)

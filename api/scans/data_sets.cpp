@@ -222,11 +222,16 @@ Outcome<void> DataSets::note_view(const std::string& id, const View& view) {
   return {};
 }
 
-Outcome<void> DataSets::note_export_downloaded(const Principal& who, const std::string& id) {
+Outcome<void> DataSets::note_export_downloaded(const Principal& who, const std::string& id,
+                                               const std::string& format) {
   const auto now = clock_.wall();
-  const auto done = store_.note_access(
-      {AuditActor::kPerson, who.user_id, "data-set.export-downloaded", "data_set", id, {}},
-      now - kSameView, now);
+  const auto done = store_.note_access({AuditActor::kPerson,
+                                        who.user_id,
+                                        "data-set.export-downloaded",
+                                        "data_set",
+                                        id,
+                                        {{"format", format}}},
+                                       now - kSameView, now);
   if (!done) return refuse(done.error());
   return {};
 }

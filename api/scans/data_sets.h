@@ -61,9 +61,10 @@ class DataSets {
   /// Records in the audit log, at most once per hour, that someone other than the owner got a
   /// thumbnail of a data set that is not public.
   Outcome<void> note_picture(const Principal& who, const DataSet& data_set);
-  /// Records in the audit log, at most once per hour, that someone downloaded an export of a data
-  /// set.
-  Outcome<void> note_export_downloaded(const Principal& who, const std::string& id);
+  /// Records in the audit log, at most once per hour and format, that the owner downloaded an
+  /// export of a data set.
+  Outcome<void> note_export_downloaded(const Principal& who, const std::string& id,
+                                       const std::string& format);
   /// Lists who viewed the data set, latest first.
   Outcome<ViewPage> views(const Principal& who, const std::string& id, ViewQuery query);
   /// Records in the audit log that the owner created or ended the links to a live session.

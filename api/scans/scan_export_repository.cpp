@@ -5,6 +5,10 @@
 namespace diaphane::api {
 namespace {
 
+/// An upper bound of the bytes of a surface, which has at most 1,000,000 triangles of 50 bytes, and
+/// of what compression adds to incompressible voxels.
+constexpr std::int64_t kMostOfSurface = std::int64_t{64} << 20;
+
 std::optional<std::int64_t> number_or_null(const pqxx::field& field) {
   if (field.is_null()) return std::nullopt;
   return field.as<std::int64_t>();
@@ -30,28 +34,37 @@ Result<ScanExportStore::Request> ScanExportRepository::request(const std::string
                                                                const ScanExport& requested,
                                                                std::int64_t most_bytes) {
   return database_.transact([&](pqxx::work& transaction) -> Result<Request> {
+    // One request at a time, so that two do not take the same room.
+    transaction.exec("SELECT pg_advisory_xact_lock(hashtext('diaphane scan export'))");
     // Waits for an order to anonymise the scan, which deletes its exports.
     const pqxx::result ready = transaction.exec_params(
-        "SELECT id FROM data_sets WHERE id = $1::uuid AND state = 'ready' FOR SHARE",
+        "SELECT COALESCE(volume_bytes, 0) AS volume_bytes FROM data_sets WHERE id = $1::uuid AND "
+        "state = 'ready' FOR SHARE",
         requested.data_set_id);
     if (ready.empty()) return Request::kNotReady;
+    // Reserves room for the file until its size is known.
+    const auto needed = ready[0]["volume_bytes"].as<std::int64_t>() + kMostOfSurface;
+    const auto kept = transaction
+                          .exec_params1(
+                              R"sql(
+        SELECT (COALESCE((SELECT sum(bytes) FROM exports), 0)
+              + COALESCE((SELECT sum(bytes) FROM scan_exports
+                           WHERE user_id <> $1::uuid OR state = 'queued'), 0))::bigint AS bytes)sql",
+                              user_id)["bytes"]
+                          .as<std::int64_t>();
+    // Like the export of an account, a scan that is larger than this may still use an empty disk.
+    if (kept > 0 && kept + needed > most_bytes) return Request::kFull;
     transaction.exec_params0(
         "DELETE FROM scan_exports WHERE user_id = $1::uuid AND state <> 'queued'", user_id);
-    const auto kept = transaction
-                          .exec_params1(R"sql(
-        SELECT (COALESCE((SELECT sum(bytes) FROM exports), 0)
-              + COALESCE((SELECT sum(bytes) FROM scan_exports), 0))::bigint AS bytes)sql")["bytes"]
-                          .as<std::int64_t>();
-    if (kept >= most_bytes) return Request::kFull;
     const ScanExportOrder& order = requested.order;
     const pqxx::result made = transaction.exec_params(
         R"sql(
-        INSERT INTO scan_exports (id, user_id, data_set_id, format, label, above, state, created_at, expires_at)
-        VALUES ($1::uuid, $2::uuid, $3::uuid, $4, $5, $6, 'queued', to_timestamp($7::bigint / 1e6),
-                to_timestamp($8::bigint / 1e6))
+        INSERT INTO scan_exports (id, user_id, data_set_id, format, label, above, state, bytes, created_at, expires_at)
+        VALUES ($1::uuid, $2::uuid, $3::uuid, $4, $5, $6, 'queued', $7, to_timestamp($8::bigint / 1e6),
+                to_timestamp($9::bigint / 1e6))
         ON CONFLICT (user_id) DO NOTHING)sql",
         requested.id, user_id, requested.data_set_id, order.format, order.label, order.above,
-        to_us(requested.created_at), to_us(requested.expires_at));
+        needed, to_us(requested.created_at), to_us(requested.expires_at));
     if (made.affected_rows() == 0) return Request::kBusy;
     note_in_audit_log(transaction,
                       {AuditActor::kPerson,

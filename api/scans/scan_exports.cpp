@@ -16,22 +16,11 @@ tl::unexpected<Problem> not_ready() {
 
 }  // namespace
 
-Outcome<DataSet> ScanExports::find_exportable(const Principal& who,
-                                              const std::string& data_set_id) {
-  auto found = data_sets_.find_ready(who, data_set_id);
-  DIAPHANE_TRY(found);
-  // An export contains every value, like exact slices, and leaves with the user, like a video.
-  const Permissions allowed = found->allowed();
-  if (!allowed.downloads || !allowed.slices) {
-    return refuse(ProblemKind::kForbidden,
-                  "Exporting needs the owner's permission for slices and downloads of this scan.");
-  }
-  return found;
-}
-
 Outcome<ScanExport> ScanExports::request(const Principal& who, const std::string& data_set_id,
                                          const ScanExportOrder& order) {
-  DIAPHANE_TRY(find_exportable(who, data_set_id));
+  const auto scan = data_sets_.authorise(who, data_set_id, Action::kExport);
+  DIAPHANE_TRY(scan);
+  if (scan->state != DataSetState::kReady) return not_ready();
   const Time now = clock_.wall();
   ScanExport made{.id = new_id(),
                   .data_set_id = data_set_id,
@@ -63,7 +52,7 @@ Outcome<ScanExport> ScanExports::request(const Principal& who, const std::string
 }
 
 Outcome<ScanExport> ScanExports::find(const Principal& who, const std::string& data_set_id) {
-  DIAPHANE_TRY(data_sets_.find(who, data_set_id));
+  DIAPHANE_TRY(data_sets_.authorise(who, data_set_id, Action::kExport));
   auto found = store_.find(who.user_id, data_set_id, clock_.wall());
   if (!found) return refuse(found.error());
   if (!*found) return none();
@@ -71,7 +60,7 @@ Outcome<ScanExport> ScanExports::find(const Principal& who, const std::string& d
 }
 
 Outcome<void> ScanExports::remove(const Principal& who, const std::string& data_set_id) {
-  DIAPHANE_TRY(data_sets_.find(who, data_set_id));
+  DIAPHANE_TRY(data_sets_.authorise(who, data_set_id, Action::kExport));
   const auto done = store_.remove(who.user_id, data_set_id);
   if (!done) return refuse(done.error());
   if (!*done) return none();
@@ -80,18 +69,13 @@ Outcome<void> ScanExports::remove(const Principal& who, const std::string& data_
 }
 
 Outcome<ScanExports::File> ScanExports::file(const Principal& who, const std::string& data_set_id) {
-  // The permission may have been withdrawn since the request.
-  const auto scan = find_exportable(who, data_set_id);
-  DIAPHANE_TRY(scan);
   const auto found = find(who, data_set_id);
   DIAPHANE_TRY(found);
   if (found->state != "ready") {
     return refuse(ProblemKind::kNotReady, "The export is not ready yet.");
   }
-  DIAPHANE_TRY(
-      data_sets_.note_view(data_set_id, {route_of(who, *scan), who.user_id, "", who.client}));
-  DIAPHANE_TRY(data_sets_.note_export_downloaded(who, data_set_id));
   const std::string& format = found->order.format;
+  DIAPHANE_TRY(data_sets_.note_export_downloaded(who, data_set_id, format));
   File file{found->id + ".scan", "scan.nii.gz", "application/gzip"};
   if (format == "stl") file = {file.stored, "surface.stl", "model/stl"};
   if (format == "glb") file = {file.stored, "surface.glb", "model/gltf-binary"};

@@ -37,8 +37,8 @@ class ScanExportStore {
   virtual ~ScanExportStore() = default;
   enum class Request { kMade, kBusy, kFull, kNotReady };
   /// Adds the export and an audit entry, and replaces the user's earlier export. Returns kBusy
-  /// while that one is queued, kFull if all exports together reach `most_bytes`, and kNotReady if
-  /// the scan has changed its state.
+  /// while that one is queued, kFull if all exports together would need more than `most_bytes`, and
+  /// kNotReady if the scan has changed its state. Then the earlier export stays.
   virtual Result<Request> request(const std::string& user_id, const ScanExport& requested,
                                   std::int64_t most_bytes) = 0;
   /// Returns the user's export of this data set.
@@ -49,7 +49,8 @@ class ScanExportStore {
   virtual Result<void> expire(Time now) = 0;
 };
 
-/// Exports of scans as files for other programs. ingestd makes them
+/// Exports of scans as files for other programs, for the owner only: a file contains every value,
+/// which no permission to see slices or to save videos includes. ingestd makes them
 /// (ingest/pipeline/export_work.h). Thread-safe.
 class ScanExports {
  public:
@@ -69,8 +70,8 @@ class ScanExports {
         signals_(signals),
         most_bytes_(most_bytes) {}
 
-  /// Requests an export. Returns kNotReady, kForbidden without the owner's permission, kTooMany
-  /// while another one is being made, or kStorageFull.
+  /// Requests an export. Returns kNotReady, kForbidden for anyone but the owner, kTooMany while
+  /// another one is being made, or kStorageFull.
   Outcome<ScanExport> request(const Principal& who, const std::string& data_set_id,
                               const ScanExportOrder& order);
   /// Returns the user's export of this scan, or kNotFound.
@@ -82,9 +83,6 @@ class ScanExports {
   void expire();
 
  private:
-  /// Returns the scan if the user may export it.
-  Outcome<DataSet> find_exportable(const Principal& who, const std::string& data_set_id);
-
   DataSets& data_sets_;
   ScanExportStore& store_;
   const Clock& clock_;

@@ -7,6 +7,7 @@
 namespace diaphane::api {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::Field;
 
@@ -50,23 +51,19 @@ class ScanExportsTest : public DataSetFixture {
   ScanExports exports{data_sets, store, clock, signals, 1000};
 };
 
-TEST_F(ScanExportsTest, NeedThePermissionForSlicesAndDownloads) {
-  EXPECT_EQ(ask(owner), Refusal());
-  EXPECT_EQ(ask(stranger), ProblemKind::kNotFound);
-  for (const bool slices : {false, true}) {
-    for (const bool downloads : {false, true}) {
-      scan().to_person = {slices, downloads};
-      EXPECT_EQ(ask(shared), slices && downloads ? Refusal() : Refusal(ProblemKind::kForbidden));
-    }
-  }
-  scan().to_person = {};
-  expose(Exposure::kPublic);
-  EXPECT_EQ(ask(stranger), ProblemKind::kForbidden);
-  scan().to_public = {true, true};
-  EXPECT_EQ(ask(stranger), Refusal());
-  expose(Exposure::kTakenDown);
-  EXPECT_EQ(ask(stranger), ProblemKind::kNotFound);
-  EXPECT_EQ(ask(owner), Refusal());
+TEST_F(ScanExportsTest, AreOnlyForTheOwner) {
+  make_ready();
+  expect_permission(Action::kExport, [&](const Principal& who) { return ask(who); });
+  expect_permission(Action::kExport,
+                    [&](const Principal& who) { return refusal(exports.find(who, id)); });
+  store.kept->state = "ready";
+  expect_permission(Action::kExport,
+                    [&](const Principal& who) { return refusal(exports.file(who, id)); });
+  // No permission to see slices or to save videos includes the file.
+  scan().to_person = scan().to_public = {true, true};
+  EXPECT_EQ(ask(shared), ProblemKind::kForbidden);
+  EXPECT_EQ(refusal(exports.file(shared, id)), ProblemKind::kForbidden);
+  EXPECT_EQ(refusal(exports.remove(shared, id)), ProblemKind::kForbidden);
 }
 
 TEST_F(ScanExportsTest, OfAScanThatIsNotReadyAreRefused) {
@@ -99,19 +96,19 @@ TEST_F(ScanExportsTest, AreDownloadedOnlyOnceTheyAreReady) {
   }
 }
 
-TEST_F(ScanExportsTest, AreNotDownloadedAfterThePermissionWasWithdrawn) {
-  make_ready();
-  EXPECT_EQ(refusal(exports.file(shared, id)), ProblemKind::kForbidden);
-  scan().to_person = {true, true};
-  EXPECT_EQ(refusal(exports.file(shared, id)), Refusal());
-  data_set_store.roles.erase({shared.user_id, id});
-  EXPECT_EQ(refusal(exports.file(shared, id)), ProblemKind::kNotFound);
+TEST_F(ScanExportsTest, TellTheAuditLogEachFormat) {
+  for (const char* format : {"nifti", "stl"}) {
+    make_ready(format);
+    ASSERT_TRUE(exports.file(owner, id));
+    EXPECT_THAT(
+        data_set_store.accesses,
+        Contains(AllOf(Field(&AuditEntry::action, "data-set.export-downloaded"),
+                       Field(&AuditEntry::details, Contains(AuditDetail{"format", format})))));
+  }
 }
 
-TEST_F(ScanExportsTest, AreFoundAndRemovedOnlyForPeopleWhoCanFindTheScan) {
+TEST_F(ScanExportsTest, AreFoundAndRemoved) {
   make_ready();
-  EXPECT_EQ(refusal(exports.find(stranger, id)), ProblemKind::kNotFound);
-  EXPECT_EQ(refusal(exports.remove(stranger, id)), ProblemKind::kNotFound);
   EXPECT_EQ(refusal(exports.find(owner, add_scan())), ProblemKind::kNotFound);
   int woken = 0;
   signals.subscribe(Signal::kDisposal, [&] { ++woken; });

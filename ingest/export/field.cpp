@@ -126,4 +126,22 @@ std::optional<Field> sample_field(const volume::Volume& volume, const Inside& in
   return field;
 }
 
+std::uint64_t crossings(const Field& field) {
+  const std::size_t row = field.size[0], slice = row * field.size[1];
+  const auto& samples = field.samples;
+  std::uint64_t count = 0;
+  std::size_t at = 0;
+  for (std::uint32_t z = 0; z < field.size[2]; ++z) {
+    for (std::uint32_t y = 0; y < field.size[1]; ++y) {
+      for (std::uint32_t x = 0; x < field.size[0]; ++x, ++at) {
+        const bool inside = samples[at] > 0;
+        if (x > 0 && inside != (samples[at - 1] > 0)) ++count;
+        if (y > 0 && inside != (samples[at - row] > 0)) ++count;
+        if (z > 0 && inside != (samples[at - slice] > 0)) ++count;
+      }
+    }
+  }
+  return count;
+}
+
 }  // namespace diaphane::ingest

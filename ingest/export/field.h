@@ -31,4 +31,8 @@ struct Field {
 std::optional<Field> sample_field(const volume::Volume& volume, const Inside& inside,
                                   std::uint32_t step, std::uint64_t most);
 
+/// Returns the number of points of the surface, one on each edge of the grid that it crosses. It
+/// has about twice as many triangles.
+std::uint64_t crossings(const Field& field);
+
 }  // namespace diaphane::ingest

@@ -109,6 +109,8 @@ Mesh to_mesh(vtkPolyData* surface) {
 /// Returns a mesh within the limits, or no triangles if this grid is too fine for them.
 Mesh surface_of(const volume::Header& header, Field& field, bool is_label,
                 const SurfaceLimits& limits) {
+  // Checked before the triangles exist, which may not fit into memory.
+  if (2 * crossings(field) > limits.raw_triangles) return {};
   Polygons surface = extract(field);
   if (static_cast<std::uint64_t>(surface->GetNumberOfPolys()) > limits.raw_triangles) return {};
   place(header, field, surface);

@@ -150,6 +150,15 @@ TEST(Surface, UsesCoarserGridForMoreSamplesThanAllowed) {
   EXPECT_NEAR(enclosed_volume(*mesh) / sphere, 1, 0.03);  // 2 voxels per sample at radius 24
 }
 
+TEST(Field, CountsThePointsOfItsSurface) {
+  const auto volume = noise(1);
+  const auto field = sample_field(volume, {0, 1500}, 1, 1'000'000);
+  ASSERT_TRUE(field);
+  const auto mesh = make_surface(volume, {0, 1500});
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(crossings(*field), mesh->points.size());
+}
+
 TEST(Surface, NeedsAVoxelInside) {
   auto volume = filled({9, 9, 9}, [](auto x, auto, auto) { return x; });
   EXPECT_EQ(make_surface(volume, {0, 9}).error().code, ErrorCode::kInvalid);

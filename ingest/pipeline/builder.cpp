@@ -146,13 +146,19 @@ Result<void> take_labels(int fd, const volume::Header& scan, Build& build) {
   return {};
 }
 
-/// Copies the file that the child wrote to a new file at `path`.
-Result<void> copy_export(int fd, const std::string& path, Build& build) {
+/// Copies the file that the child wrote to a new file at `path`. Sets `build.stopped` if it ends
+/// early.
+Result<void> copy_export(int fd, const std::string& path, Build& build,
+                         const Builder::ShouldContinue& should_continue) {
   const Fd to(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644));
   if (!to) return fail(ErrorCode::kUnavailable, "the export directory is not writable");
   off_t at = 0;
   for (;;) {
-    constexpr std::size_t kPiece = std::size_t{1} << 30;
+    if (!should_continue()) {
+      build.stopped = true;
+      return {};
+    }
+    constexpr std::size_t kPiece = std::size_t{64} << 20;
     const ssize_t sent = sendfile(to.get(), fd, &at, kPiece);
     if (sent < 0 && errno == EINTR) continue;
     if (sent < 0) {
@@ -318,7 +324,9 @@ Result<Build> SandboxBuilder::export_scan(const ExportInput& input,
   if (input.header.voxel_count() * sizeof(std::int16_t) > room) return no_room();
   return run(
       file.get(), kExportChildWord, {*std::move(header), to_text(input.order)},
-      [&](int output, Build& build) { return copy_export(output, input.path, build); },
+      [&](int output, Build& build) {
+        return copy_export(output, input.path, build, should_continue);
+      },
       should_continue);
 }
 

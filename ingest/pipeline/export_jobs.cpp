@@ -114,7 +114,8 @@ Result<bool> PostgresExports::finish(const ExportJob& job, std::uint64_t bytes) 
                .exec_params(
                    R"sql(
                    UPDATE scan_exports
-                      SET state = 'ready', bytes = $3, waiting = false, leased_by = NULL, leased_until = NULL
+                      SET state = 'ready', bytes = $3, waiting = false, leased_by = NULL, leased_until = NULL,
+                          expires_at = now() + interval '1 day'
                     WHERE id = $1 AND leased_by = $2 AND state = 'queued'
                       AND EXISTS (SELECT FROM data_sets WHERE id = data_set_id AND state = 'ready'))sql",
                    job.id, impl_->claimer, bytes)
@@ -129,7 +130,8 @@ Result<void> PostgresExports::fail_with(const ExportJob& job, const std::string&
         .exec_params(
             R"sql(
             UPDATE scan_exports
-               SET state = 'failed', problem_code = $3, problem_text = $4, leased_by = NULL, leased_until = NULL
+               SET state = 'failed', bytes = NULL, problem_code = $3, problem_text = $4, leased_by = NULL,
+                   leased_until = NULL
              WHERE id = $1 AND leased_by = $2 AND state = 'queued')sql",
             job.id, impl_->claimer, code, text)
         .affected_rows();
@@ -148,7 +150,8 @@ Result<void> PostgresExports::put_back(const ExportJob& job, std::chrono::millis
                SET leased_by = NULL, leased_until = NULL, waiting = $4::bool,
                    waits = CASE WHEN $4::bool THEN waits + 1 ELSE waits END,
                    attempts = attempts - CASE WHEN $5::bool THEN 0 ELSE 1 END,
-                   not_before = now() + make_interval(secs => $3)
+                   not_before = now() + make_interval(secs => $3),
+                   expires_at = GREATEST(expires_at, now() + make_interval(secs => $3) + interval '1 day')
              WHERE id = $1 AND leased_by = $2 AND state = 'queued')sql",
             job.id, impl_->claimer, seconds_of(pause), waiting, count_attempt)
         .affected_rows();

@@ -12,6 +12,28 @@ namespace diaphane::ingest {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
+namespace {
+
+/// Deletes what workers that were killed left of an export.
+void remove_rests(const std::string& directory, const std::string& id) {
+  std::error_code error;
+  for (fs::directory_iterator entry(directory, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code ignored;
+    if (entry->path().filename().string().starts_with(".tmp-" + id))
+      fs::remove(entry->path(), ignored);
+  }
+}
+
+/// Returns the verdict in words that suit an export instead of an upload.
+Verdict of_export(const Verdict& verdict) {
+  if (verdict.code == "too_slow") return refused("too_slow", "This export took too long.");
+  if (verdict.code == "unreadable") return refused("internal", "The scan could not be exported.");
+  return verdict;
+}
+
+}  // namespace
+
 bool ExportWorker::work_once(const std::function<bool()>& is_stopping) {
   const auto claimed = jobs_.claim();
   if (!claimed || !*claimed) return false;
@@ -34,6 +56,7 @@ void ExportWorker::wait(const ExportJob& job, const Error& why) {
 void ExportWorker::work(const ExportJob& job, const std::function<bool()>& is_stopping) {
   // Malformed IDs should never occur, but they would become part of file paths.
   if (!is_id(job.id) || !is_id(job.data_set_id)) return;
+  if (job.attempts > 0) remove_rests(options_.export_dir, job.id);
   if (job.attempts >= options_.most_attempts) {
     (void)jobs_.fail_with(job, "no_memory",
                           "The server ran out of memory or time each time it made this export.");
@@ -50,7 +73,8 @@ void ExportWorker::work(const ExportJob& job, const std::function<bool()>& is_st
   fs::create_directories(options_.export_dir, error);
   if (error)
     return wait(job, {ErrorCode::kUnavailable, "the export directory is not writable", {}});
-  const std::string unfinished = options_.export_dir + "/.tmp-" + job.id;
+  // A worker that has lost its lease without knowing must not write to the file of the next one.
+  const std::string unfinished = options_.export_dir + "/.tmp-" + job.id + "-" + new_id();
   bool ours = true;
   const auto should_continue = [&, next = Clock::now() + options_.renew]() mutable {
     if (is_stopping()) return false;
@@ -64,7 +88,7 @@ void ExportWorker::work(const ExportJob& job, const std::function<bool()>& is_st
   const auto build = make_({directory, *header, job.order, unfinished}, should_continue);
   if (!build) {
     wait(job, build.error());
-  } else if (ours && build->verdict.ready) {
+  } else if (ours && !build->stopped && build->verdict.ready) {
     return finish(job, unfinished, *build);
   } else if (ours) {
     settle(job, *build);
@@ -79,15 +103,22 @@ void ExportWorker::settle(const ExportJob& job, const Build& build) {
     log::warning("export_retried", {{"export", job.id}, {"attempts", job.attempts + 1}});
     (void)jobs_.put_back(job, options_.first_pause * 4, false, true);
   } else {
+    const Verdict verdict = of_export(build.verdict);
     log::info("export_refused",
-              {{"export", job.id}, {"data_set", job.data_set_id}, {"result", build.verdict.code}});
-    (void)jobs_.fail_with(job, build.verdict.code, build.verdict.text);
+              {{"export", job.id}, {"data_set", job.data_set_id}, {"result", verdict.code}});
+    (void)jobs_.fail_with(job, verdict.code, verdict.text);
   }
 }
 
 void ExportWorker::finish(const ExportJob& job, const std::string& unfinished, const Build& build) {
   const std::string path = options_.export_dir + "/" + job.id + ".scan";
   std::error_code error;
+  // With a fresh lease, nobody else renames their file meanwhile.
+  const auto held = jobs_.renew(job);
+  if (!held || !*held) {
+    fs::remove(unfinished, error);
+    return;
+  }
   fs::rename(unfinished, path, error);
   if (error) {
     fs::remove(unfinished, error);

@@ -23,14 +23,16 @@ class FakeExports final : public ExportJobs {
     waiting.pop_front();
     return std::optional<ExportJob>(job);
   }
-  Result<bool> renew(const ExportJob&) override { return held; }
+  Result<bool> renew(const ExportJob&) override { return held && renewals-- > 0; }
   Result<bool> finish(const ExportJob&, std::uint64_t bytes) override {
-    if (!held) return false;
+    if (!held || gone_at_finish) return false;
     ready.push_back(bytes);
     return true;
   }
-  Result<void> fail_with(const ExportJob&, const std::string& code, const std::string&) override {
+  Result<void> fail_with(const ExportJob&, const std::string& code,
+                         const std::string& text) override {
     failures.push_back(code);
+    told = text;
     return {};
   }
   struct PutBack {
@@ -45,7 +47,9 @@ class FakeExports final : public ExportJobs {
   }
 
   std::deque<ExportJob> waiting;
-  bool held = true;
+  bool held = true, gone_at_finish = false;
+  int renewals = 100;  ///< that succeed
+  std::string told;
   std::vector<std::uint64_t> ready;
   std::vector<std::string> failures;
   std::vector<PutBack> put_backs;
@@ -85,7 +89,12 @@ class ExportWorkerTest : public testing::Test {
     return build;
   }
   bool has_file() const { return fs::exists(root + "/exports/" + job.id + ".scan"); }
-  bool has_rest() const { return fs::exists(root + "/exports/.tmp-" + job.id); }
+  bool has_rest() const {
+    for (const auto& entry : fs::directory_iterator(root + "/exports")) {
+      if (entry.path().filename().string().starts_with(".tmp-")) return true;
+    }
+    return false;
+  }
 
   ExportJob job{.id = new_id(), .data_set_id = new_id(), .order = {ExportFormat::kStl, {}, 5}};
   FakeExports jobs;
@@ -121,6 +130,46 @@ TEST_F(ExportWorkerTest, GivesTheReasonOfARefusal) {
   EXPECT_FALSE(has_rest());
 }
 
+TEST_F(ExportWorkerTest, SpeaksOfTheExportInsteadOfAnUpload) {
+  for (const auto& [child, told] :
+       {std::pair{"too_slow", "too_slow"}, std::pair{"unreadable", "internal"}}) {
+    jobs.failures.clear();
+    Build build;
+    build.verdict = refused(child, "This upload is wrong.");
+    work(build);
+    EXPECT_EQ(jobs.failures, std::vector<std::string>{told});
+    EXPECT_EQ(jobs.told.find("upload"), std::string::npos) << jobs.told;
+  }
+}
+
+TEST_F(ExportWorkerTest, GivesUpAFileWhoseCopyWasStopped) {
+  Build build = done();
+  build.stopped = true;
+  work(build, true);
+  EXPECT_FALSE(has_file());
+  EXPECT_FALSE(has_rest());
+  const FakeExports::PutBack expected{{}, false, false};
+  EXPECT_EQ(jobs.put_backs, std::vector{expected});
+}
+
+TEST_F(ExportWorkerTest, KeepsTheFileOfTheNextWorkerAfterItLostItsLease) {
+  jobs.renewals = 1;
+  fs::create_directories(root + "/exports");
+  std::ofstream(root + "/exports/" + job.id + ".scan") << "of the next worker";
+  work(done());
+  EXPECT_TRUE(continued);
+  EXPECT_TRUE(has_file());
+  EXPECT_FALSE(has_rest());
+  EXPECT_TRUE(jobs.ready.empty());
+}
+
+TEST_F(ExportWorkerTest, RemovesTheFileOfAScanThatChangedWhileItWasFinished) {
+  jobs.gone_at_finish = true;
+  work(done());
+  EXPECT_FALSE(has_file());
+  EXPECT_FALSE(has_rest());
+}
+
 TEST_F(ExportWorkerTest, WaitsLongerEachTimeForAConditionToPass) {
   for (const auto& [waits, seconds] : {std::pair{0, 1}, std::pair{3, 8}, std::pair{40, 60}}) {
     jobs.put_backs.clear();
@@ -139,7 +188,9 @@ TEST_F(ExportWorkerTest, CountsAttemptsForWhichMemoryWasShort) {
   ASSERT_EQ(jobs.put_backs.size(), 1U);
   EXPECT_TRUE(jobs.put_backs[0].counted);
   job.attempts = 3;
+  std::ofstream(root + "/exports/.tmp-" + job.id + "-" + new_id()) << "of a killed worker";
   work(done());
+  EXPECT_FALSE(has_rest());
   EXPECT_EQ(jobs.failures, std::vector<std::string>{"no_memory"});
   EXPECT_FALSE(has_file());
 }

@@ -48,9 +48,7 @@ export function SharePublicly({ set, onChange }: SharePubliclyProps) {
               allow({ ...allowed, downloads }, downloads ? text.downloadsAllowed : text.downloadsEnded)
             }
           />
-          <p class="field-hint">
-            {t.sharing.downloadsHint} {t.sharing.exportHint}
-          </p>
+          <p class="field-hint">{t.sharing.downloadsHint}</p>
           <p>
             {set.is_public ? (
               <button type="button" class="button button-danger" disabled={busy} onClick={hide}>

@@ -123,9 +123,7 @@ function AddPerson({ busy, add }: AddPersonProps) {
       />
       <div class="people-may" role="group" aria-label={text.mayNew}>
         <PermissionSwitches allowed={allowed} busy={busy} change={(to) => setAllowed({ ...allowed, ...to })} />
-        <p class="field-hint">
-          {t.sharing.downloadsHint} {t.sharing.exportHint}
-        </p>
+        <p class="field-hint">{t.sharing.downloadsHint}</p>
       </div>
       <button type="submit" class="button" disabled={busy || email.trim() === ""}>
         {text.add}

@@ -15,7 +15,7 @@ export const scanFile: Texts["scanFile"] = {
     glb: "3D-Modell mit Farbe (glTF)",
   },
   formatHints: {
-    nifti: "Enthält alle Werte der Aufnahme unverändert und ihre Lage im Körper.",
+    nifti: "Enthält alle Werte der Aufnahme, wie sie hier gespeichert sind, und ihre Lage im Körper.",
     stl: "In Millimetern und ohne Löcher. Die Farbe gehört nicht zu diesem Format.",
     glb: "In Metern und ohne Löcher, für 3D-Programme und Webseiten.",
   },
@@ -30,7 +30,7 @@ export const scanFile: Texts["scanFile"] = {
   create: "Datei erstellen",
   queued: "Die Datei wird erstellt. Sie können dieses Fenster inzwischen schließen.",
   waiting:
-    "Auf dem Server ist gerade kein Platz für die Datei. Sie wird erstellt, sobald wieder Platz ist. Sie können dieses Fenster inzwischen schließen.",
+    "Der Server kann die Datei gerade nicht erstellen. Er holt es nach, sobald es geht. Sie können dieses Fenster inzwischen schließen.",
   stop: "Abbrechen",
   ready: (format, size) => `${format}: Die Datei ist fertig, ${size}.`,
   get: "Herunterladen",
@@ -41,6 +41,7 @@ export const scanFile: Texts["scanFile"] = {
     nothing_inside:
       "Nichts in der Aufnahme gehört zu dieser Struktur oder hat einen so hohen Wert. Wählen Sie einen anderen Teil.",
     too_large: "Dieser Teil der Aufnahme ist zu groß für den Export. Wählen Sie einen kleineren Teil.",
+    too_slow: "Das Erstellen der Datei hat zu lange gedauert. Mit einem kleineren Teil kann es gelingen.",
     no_memory:
       "Dem Server hat jedes Mal der Speicher gefehlt, um die Datei zu erstellen. Wählen Sie einen kleineren Teil.",
   },

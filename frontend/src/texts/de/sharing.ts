@@ -35,8 +35,6 @@ export const sharing: Texts["sharing"] = {
     other: "Sonstiges",
   },
   downloads: "Auch das Speichern von Videos und großen Bildern erlauben",
-  exportHint:
-    "Wer die Schichten sehen und Videos speichern darf, kann auch die Aufnahme und 3D-Modelle davon für andere Programme exportieren.",
   downloadsHint: "Wer das Bild sieht, kann auch ohne diese Erlaubnis speichern, was auf dem Bildschirm zu sehen ist.",
   people: {
     title: "Mit bestimmten Personen teilen",

@@ -15,7 +15,7 @@ export const scanFile = {
     glb: "3D model with colour (glTF)",
   },
   formatHints: {
-    nifti: "Contains every value of the scan unchanged, with its position in the patient.",
+    nifti: "Contains every value of the scan as it is stored here, with its position in the patient.",
     stl: "In millimetres, without holes. The colour isn’t part of this format.",
     glb: "In metres, without holes, for 3D programs and web pages.",
   },
@@ -31,7 +31,7 @@ export const scanFile = {
   create: "Create the file",
   queued: "The file is being created. You can close this window in the meantime.",
   waiting:
-    "The server doesn’t have room for the file at the moment. It will be created as soon as there is room. You can close this window in the meantime.",
+    "The server can’t create the file at the moment. It will do so as soon as it can. You can close this window in the meantime.",
   stop: "Stop",
   ready: (format: string, size: string) => `${format}: the file is ready, ${size}.`,
   get: "Download",
@@ -41,6 +41,7 @@ export const scanFile = {
   failures: {
     nothing_inside: "Nothing in the scan has this label or a value this high. Choose another part.",
     too_large: "This part of the scan is too large to export. Choose a smaller part.",
+    too_slow: "Creating the file took too long. A smaller part may work.",
     no_memory: "The server ran out of memory each time it tried to create the file. Choose a smaller part.",
   },
 } as const;

@@ -32,8 +32,6 @@ export const sharing = {
     other: "Other",
   } as Readonly<Record<string, string>>,
   downloads: "Also let viewers save videos and large pictures",
-  exportHint:
-    "Whoever may see the slices and save videos can also export the scan and 3D models of it for other programs.",
   downloadsHint: "Anyone who sees the picture can save what is on their screen, even without this permission.",
   people: {
     title: "Share with specific people",

@@ -3,7 +3,6 @@ import type { Role } from "../../live/role";
 import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
 import { ShareScanDialog } from "../share_scan";
-import { useApp } from "../state";
 import { ExportDialog, type ExportDialogProps } from "./export/export_dialog";
 import type { Shot } from "./export/shot";
 import { HelpDialog, type HelpDialogProps } from "./help_dialog";
@@ -42,6 +41,7 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
         <ExportOfPicture
           session={session}
           role={role}
+          set={set}
           shot={shot}
           what={open === "film" ? "around" : "picture"}
           close={close}
@@ -62,21 +62,18 @@ function buttonsOf(session: ViewerSession | null, own: boolean, set: DataSet | n
 export const maySaveVideos = (session: ViewerSession, role: Role): boolean =>
   session.audience.value?.downloads ?? !role.guest;
 
-type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "shot" | "close"> & {
+type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "set" | "shot" | "close"> & {
   readonly session: ViewerSession;
   readonly what: ExportDialogProps["what"];
 };
 
-function ExportOfPicture({ session, role, shot, what, close }: ExportOfPictureProps) {
-  const app = useApp();
-  const downloads = maySaveVideos(session, role);
-  const hasAccount = Boolean(app.me.value) && !role.guest;
+function ExportOfPicture({ session, role, set, shot, what, close }: ExportOfPictureProps) {
   return (
     <ExportDialog
       session={session}
       what={what}
-      rendered={downloads}
-      exportable={hasAccount && downloads && session.slices.available.value}
+      rendered={maySaveVideos(session, role)}
+      exportable={!role.guest && (set?.owned ?? false)}
       guest={role.guest}
       busy={shot.state?.kind === "rendering"}
       onExport={(order) => {

@@ -17,7 +17,7 @@ export interface ExportDialogProps {
   readonly rendered: boolean;
   /** Whether the viewer is a guest of someone's session, who gets only the picture on the screen. */
   readonly guest: boolean;
-  /** Whether the owner of the scan allows exporting it, and the viewer has an account. */
+  /** Whether the viewer owns the scan and may export it. */
   readonly exportable: boolean;
   /** Whether a file is being rendered already. */
   readonly busy: boolean;

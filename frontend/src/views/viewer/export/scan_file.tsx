@@ -20,7 +20,7 @@ export interface ScanFileProps {
 /** A file of the scan, or of the surface of one of its parts, for other programs. */
 export function ScanFile({ session, dataSetId }: ScanFileProps) {
   const text = t.scanFile;
-  const { made, wrong, request, remove } = useScanExport(dataSetId);
+  const { made, wrong, busy, request, remove } = useScanExport(dataSetId);
   const volume = session.volume.value;
   if (!volume || made === undefined) return wrong ? <Notice kind="bad">{wrong}</Notice> : null;
   return (
@@ -31,17 +31,17 @@ export function ScanFile({ session, dataSetId }: ScanFileProps) {
         <div class="take-form">
           <p role="status">{made.waiting ? text.waiting : text.queued}</p>
           <p>
-            <button type="button" class="button" onClick={remove}>
+            <button type="button" class="button" disabled={busy} onClick={remove}>
               {text.stop}
             </button>
           </p>
         </div>
       ) : null}
       {made?.state === "failed" ? <Notice kind="bad">{failureOf(made)}</Notice> : null}
-      {made?.state === "ready" ? <Ready made={made} dataSetId={dataSetId} remove={remove} /> : null}
+      {made?.state === "ready" ? <Ready made={made} dataSetId={dataSetId} busy={busy} remove={remove} /> : null}
       {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
       {made === null || made.state === "failed" ? (
-        <OrderForm session={session} volume={volume} request={request} />
+        <OrderForm session={session} volume={volume} busy={busy} request={request} />
       ) : null}
     </>
   );
@@ -55,10 +55,11 @@ function failureOf({ problem }: ScanExport): string {
 interface ReadyProps {
   readonly made: ScanExport;
   readonly dataSetId: string;
+  readonly busy: boolean;
   readonly remove: () => void;
 }
 
-function Ready({ made, dataSetId, remove }: ReadyProps) {
+function Ready({ made, dataSetId, busy, remove }: ReadyProps) {
   const text = t.scanFile;
   return (
     <div class="take-form">
@@ -70,7 +71,7 @@ function Ready({ made, dataSetId, remove }: ReadyProps) {
         <a class="button button-main" href={scanExportPath(dataSetId)} download>
           {text.get}
         </a>
-        <button type="button" class="button" onClick={remove}>
+        <button type="button" class="button" disabled={busy} onClick={remove}>
           {text.another}
         </button>
       </p>
@@ -81,10 +82,11 @@ function Ready({ made, dataSetId, remove }: ReadyProps) {
 interface OrderFormProps {
   readonly session: ViewerSession;
   readonly volume: VolumeHeader;
+  readonly busy: boolean;
   readonly request: ReturnType<typeof useScanExport>["request"];
 }
 
-function OrderForm({ session, volume, request }: OrderFormProps) {
+function OrderForm({ session, volume, busy, request }: OrderFormProps) {
   const text = t.scanFile;
   const isCt = volume.modality === Modality.CT;
   const [entries, setEntries] = useState<ExportEntries>({
@@ -122,7 +124,7 @@ function OrderForm({ session, volume, request }: OrderFormProps) {
         <Part session={session} volume={volume} entries={entries} fault={fault} set={set} />
       )}
       <p>
-        <button type="submit" class="button button-main">
+        <button type="submit" class="button button-main" disabled={busy}>
           {text.create}
         </button>
       </p>
