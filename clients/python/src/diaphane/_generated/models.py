@@ -149,34 +149,13 @@ NewPassword: TypeAlias = str
 """
 
 
-class Problem(TypedDict):
+class ScanExportProblem(TypedDict):
     """
-    Why it failed, in state `failed`.
+    Why an export failed, in state `failed`.
     """
 
     code: str
     text: str
-
-
-class ScanExport(TypedDict):
-    state: Literal['queued', 'ready', 'failed']
-    waiting: bool
-    """
-    In state `queued`: it waits for disk space or memory.
-    """
-    format: Literal['nifti', 'stl', 'glb']
-    label: int | None
-    above: int | None
-    bytes: int | None
-    """
-    Size of the file
-    """
-    problem: Problem | None
-    """
-    Why it failed, in state `failed`.
-    """
-    created_at: str
-    expires_at: str
 
 
 class Export(TypedDict):
@@ -327,7 +306,7 @@ class Error(TypedDict):
     message: str
 
 
-class Problem1(TypedDict):
+class Problem(TypedDict):
     type: str
     """
     `urn:diaphane:problem:` and one of invalid, bad-request, unauthenticated, wrong-credentials, code-needed, wrong-code, disabled, csrf,
@@ -672,3 +651,21 @@ class AnnotationSet(TypedDict):
     """
     created_at: Time
     updated_at: Time
+
+
+class ScanExport(TypedDict):
+    state: Literal['queued', 'ready', 'failed']
+    waiting: bool
+    """
+    In state `queued`: it waits for disk space or memory.
+    """
+    format: Literal['nifti', 'stl', 'glb']
+    label: int | None
+    above: int | None
+    bytes: int | None
+    """
+    Size of the file, once it is ready.
+    """
+    problem: ScanExportProblem | None
+    created_at: str
+    expires_at: str
