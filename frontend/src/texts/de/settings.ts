@@ -103,7 +103,7 @@ export const settings: Texts["settings"] = {
   look: {
     comfort: {
       name: "Sanftere Farben",
-      help: "Rechts wirken Blut und Knochen sanfter, links kräftiger. Was zu sehen ist, bleibt gleich.",
+      help: "Rechts wirken Blut und Knochen sanfter, links kräftiger. Nur die Farben ändern sich.",
     },
     channels: "Materialien",
     channel: (name, n) => nameOf(name) || `Material ${n}`,

@@ -102,7 +102,7 @@ export const settings = {
   look: {
     comfort: {
       name: "Softer colours",
-      help: "Blood and bone look gentler to the right, and stronger to the left. What you see stays the same.",
+      help: "Blood and bone look gentler to the right, and stronger to the left. Only the colours change.",
     },
     channels: "Materials",
     channel: (name: string, n: number) => nameOf(name) || `Material ${n}`,
