@@ -64,7 +64,7 @@ export const settings: Texts["settings"] = {
     },
     around: "Rundgang zeigen",
     aroundLead:
-      "Ein langsamer Rundgang durch die Ansichten, die am meisten von Ihrer Aufnahme zeigen. Er endet, sobald Sie das Bild bewegen.",
+      "Ein langsamer Rundgang durch die Ansichten, die am meisten von Ihrer Aufnahme zeigen. Er endet, sobald Sie das Bild bewegen. P hält ihn an.",
     pause: "Anhalten",
     goOn: "Fortsetzen",
     stop: "Beenden",

@@ -63,7 +63,8 @@ export const settings = {
       I: "Below",
     },
     around: "Show me around",
-    aroundLead: "A slow tour through the views that show most of your scan. It stops as soon as you move the picture.",
+    aroundLead:
+      "A slow tour through the views that show most of your scan. It stops as soon as you move the picture. P pauses it.",
     pause: "Pause",
     goOn: "Continue",
     stop: "Stop",
