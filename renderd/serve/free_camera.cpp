@@ -125,9 +125,15 @@ void LiveSession::carry_out(const effect::FindGoodViews& effect) {
   const std::shared_ptr<const v1::Scene> scene = state_.requested.scene;
   const auto coarse = volume_ ? parts_.stats.of(*volume_).coarse : nullptr;
   lock.unlock();
+  if (!scene || !coarse) {
+    lock.lock();
+    carry_out(problem_to(effect.connection,
+                         {ErrorCode::kUnavailable,
+                          "The scan is still loading. Try again in a moment.", "good_views"}));
+    return;
+  }
   v1::ServerMessage message;
-  *message.mutable_good_views() =
-      scene && coarse ? to_proto(good_views(*coarse, *scene)) : v1::GoodViews();
+  *message.mutable_good_views() = to_proto(good_views(*coarse, *scene));
   lock.lock();
   send(effect.connection, message);
 }

@@ -37,6 +37,7 @@ struct Cell {
 
 struct Grid {
   Double3 low;      // mm in the volume's frame
+  Double3 step;     // between neighbouring cells, mm: at most `edge`
   double edge = 0;  // of a cell, mm
   std::array<int, 3> size{};
   std::vector<Cell> cells;
@@ -46,6 +47,11 @@ struct Grid {
            static_cast<std::size_t>(size[0]) *
                (static_cast<std::size_t>(y) +
                 static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(z));
+  }
+
+  /// Converts a place in cells to mm.
+  Double3 place(Double3 in_cells) const {
+    return low + Double3{in_cells.x * step.x, in_cells.y * step.y, in_cells.z * step.z};
   }
 };
 
@@ -62,8 +68,7 @@ Sampled sample(const CoarseView& scene, const Grid& grid, std::array<int, 3> cel
   for (int i = 0; i < kAll; ++i) {
     const Double3 part{(i % kSamples + 0.5) / kSamples, (i / kSamples % kSamples + 0.5) / kSamples,
                        (i / (kSamples * kSamples) + 0.5) / kSamples};
-    const Double3 at =
-        grid.low + Double3{cell[0] + part.x, cell[1] + part.y, cell[2] + part.z} * grid.edge;
+    const Double3 at = grid.place({cell[0] + part.x, cell[1] + part.y, cell[2] + part.z});
     const Float3 place = to_float(at) * scene.inverse_spacing;
     if (!is_kept<kAllFeatures>(scene, place)) continue;
     const float value = scene.volume.at(place);
@@ -105,21 +110,39 @@ void weigh(Grid& grid, const std::vector<double>& values) {
   }
 }
 
+/// Returns the box around the part of `box` that a half-space keeps.
+Box kept_part(const Box& box, const HalfSpace& kept) {
+  std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
+  std::array<double, 3> high{box.high.x, box.high.y, box.high.z};
+  const std::array<double, 3> normal{kept.normal.x, kept.normal.y, kept.normal.z};
+  double least = 0;  // of the normal times a place in the box
+  for (std::size_t i = 0; i < 3; ++i) least += std::min(normal[i] * low[i], normal[i] * high[i]);
+  const double left = kept.most - least;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (normal[i] > 0) high[i] = std::min(high[i], low[i] + left / normal[i]);
+    if (normal[i] < 0) low[i] = std::max(low[i], high[i] + left / normal[i]);
+  }
+  return {to_float(Double3{low[0], low[1], low[2]}), to_float(Double3{high[0], high[1], high[2]})};
+}
+
 /// Returns the visible matter on a coarse grid in the volume's frame, or nullopt if there is none.
 std::optional<Grid> grid_of(const CoarseView& scene, const volume::Header& header) {
-  const Box& box = scene.grid.occupied;
+  // Cells would be too coarse for a thin slice if they covered what the clip removes.
+  Box box = scene.grid.occupied;
+  for (std::uint32_t i = 0; i < scene.clip.count; ++i) box = kept_part(box, scene.clip.kept[i]);
   const Double3 spacing{header.spacing[0], header.spacing[1], header.spacing[2]};
   const Double3 low{box.low.x * spacing.x, box.low.y * spacing.y, box.low.z * spacing.z};
   const Double3 side{box.high.x * spacing.x - low.x, box.high.y * spacing.y - low.y,
                      box.high.z * spacing.z - low.z};
   const double longest = std::max({side.x, side.y, side.z});
-  if (!(longest > 0)) return std::nullopt;
-  Grid grid{low, longest / kCells, {}, {}};
+  if (!(longest > 0) || std::min({side.x, side.y, side.z}) < 0) return std::nullopt;
+  Grid grid{low, {}, longest / kCells, {}, {}};
   const std::array sides{side.x, side.y, side.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     grid.size.at(axis) =
         std::clamp(static_cast<int>(std::ceil(sides.at(axis) / grid.edge)), 1, kCells);
   }
+  grid.step = {side.x / grid.size[0], side.y / grid.size[1], side.z / grid.size[2]};
   std::vector<double> values;
   for (int z = 0; z < grid.size[2]; ++z) {
     for (int y = 0; y < grid.size[1]; ++y) {
@@ -226,7 +249,7 @@ void set_box(const Grid& grid, const WorldToFrame& frame, GoodViews& to) {
     for (int corner = 0; corner < 8; ++corner) {
       const Double3 at{i % nx + (corner & 1) * 1.0, i / nx % ny + (corner >> 1 & 1) * 1.0,
                        i / (nx * ny) + (corner >> 2) * 1.0};
-      const Double3 from_middle = grid.low + at * grid.edge - frame.extent * 0.5;
+      const Double3 from_middle = grid.place(at) - frame.extent * 0.5;
       enclose(frame.axes[0] * from_middle.x + frame.axes[1] * from_middle.y +
                   frame.axes[2] * from_middle.z,
               to);

@@ -100,6 +100,37 @@ TEST(GoodViews, CutMatterDoesNotCount) {
   EXPECT_LT(views.low.z, -23);
 }
 
+TEST(GoodViews, FindsViewsOfThinSlices) {
+  const auto ball =
+      matter([](double x, double y, double z) { return x * x + y * y + z * z < 625; });
+  for (const double thickness : {3.0, 0.5}) {
+    for (double low = -9; low < -6; low += 0.4) {
+      diaphane::v1::Scene cut = opaque_scene();
+      test::set(cut.mutable_clip()->mutable_box_low(), -30, -30, low);
+      test::set(cut.mutable_clip()->mutable_box_high(), 30, 30, low + thickness);
+      const GoodViews views = good_views(*ball, cut);
+      ASSERT_GE(views.views.size(), 5U) << thickness << " mm from " << low;
+      EXPECT_NEAR(views.low.z, low, 0.01);
+      EXPECT_NEAR(views.high.z, low + thickness, 0.01);
+    }
+  }
+}
+
+TEST(GoodViews, BoxEndsAtAnObliqueCut) {
+  const auto ball =
+      matter([](double x, double y, double z) { return x * x + y * y + z * z < 625; });
+  diaphane::v1::Scene cut = opaque_scene();
+  auto& plane = *cut.mutable_clip()->add_planes();
+  test::set(plane.mutable_point(), -10, -10, 0);
+  test::set(plane.mutable_normal(), 1, 1, 0);
+  const GoodViews views = good_views(*ball, cut);
+  ASSERT_GE(views.views.size(), 5U);
+  // The ball without the plane would reach x = 25. Of x + y = -20, it reaches x = 4.6, where
+  // y = -24.6. A cell is at most 2 mm wide.
+  EXPECT_LT(views.high.x, 4.6 + 1 + 2 * 2);
+  EXPECT_LT(views.low.x, -22);
+}
+
 TEST(GoodViews, NothingVisibleHasNone) {
   const auto nothing = matter([](double, double, double) { return false; });
   const GoodViews views = good_views(*nothing, opaque_scene());

@@ -148,6 +148,11 @@ def test_tour_of_the_sample_on_a_phone_is_smooth_and_stays_outside(stack: TestSt
     check_smooth(sent)
     check_smooth(shown)
     check_outside(sent)
+    # The sheet has closed, so the tour ends at the distance at which the whole picture shows the head.
+    last, ending = sent[-1], Eye(hands)
+    assert math.isclose(math.dist(last.eye, last.target), ending.distance, rel_tol=1e-6)
+    stage = page.locator("canvas").bounding_box()
+    assert stage["height"] > 700 and min(math.dist(c.eye, c.target) for c in sent[60:]) > 0.99 * ending.distance
     azimuths = {round(math.degrees(math.atan2(c.eye[1] - c.target[1], c.eye[0] - c.target[0])) / 30) % 12 for c in sent}
     assert len(azimuths) == 12, azimuths  # all around
     page.screenshot(path=pictures / "tour-end-phone.png")

@@ -93,6 +93,15 @@ describe("a tour", () => {
     expect(Math.min(...distances.slice(outside))).toBeGreaterThan(length(subtract(head.high, middle)));
     expect(steps(tour.orbits.slice(0, outside)).every((turn) => turn < 1e-4)).toBe(true);
   });
+  it("leaves the subject by the shortest way if it is behind the eye", () => {
+    const past = { ...opening, eye: vec3(10, -90, 0), target: vec3(20, -300, 0) };
+    const tour = tourOf(past, views, head, 1);
+    const distances = tour.orbits.map((orbit) => length(subtract(poseOf(orbit).eye, middle)));
+    const outside = distances.findIndex((one) => one > length(subtract(head.high, middle)));
+    expect(Math.min(...distances.slice(outside))).toBeGreaterThan(length(subtract(head.high, middle)));
+    for (let i = 1; i <= outside; ++i) expect(sure(distances[i])).toBeGreaterThan(sure(distances[i - 1]));
+    expect(Math.max(...steps(tour.orbits))).toBeLessThan(mostTurn);
+  });
   it("shows the whole subject in the picture from everywhere", () => {
     const tan = Math.tan(10 * degree);
     for (const at of keyCameras(path, 16)) {
@@ -153,6 +162,12 @@ describe("the pace of a tour", () => {
 });
 
 describe("the way to a standard view", () => {
+  it("moves back before it turns, so that it does not cross the subject", () => {
+    const close = { ...opening, eye: vec3(0, -50, -10) };
+    const to = { ...opening, eye: vec3(0, 700, -10) };
+    const way = Array.from({ length: 101 }, (_, i) => orbitOf(eased(close, to, i / 100)));
+    for (const orbit of way) if (turnBetween(sure(way[0]), orbit) > 1e-3) expect(orbit.distance).toBeCloseTo(700, 6);
+  });
   it("is eased, on the shorter side, and ends exactly there", () => {
     const to = { ...opening, eye: vec3(-700, 300, -10) };
     expect(eased(opening, to, 1)).toBe(to);
@@ -160,6 +175,5 @@ describe("the way to a standard view", () => {
     const part = (t: number) => turnBetween(orbitOf(opening), orbitOf(eased(opening, to, t)));
     expect(part(0.1)).toBeLessThan(0.05 * whole);
     expect(part(0.5)).toBeCloseTo(0.5 * whole, -1);
-    expect(part(0.5)).toBeLessThanOrEqual(180);
   });
 });

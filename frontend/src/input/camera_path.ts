@@ -51,9 +51,19 @@ export function between(a: Orbit, b: Orbit, t: number): Orbit {
   };
 }
 
-/** Returns the camera on the way to another one, slow at both ends. */
-export const eased = (from: CameraPose, to: CameraPose, t: number): CameraPose =>
-  t >= 1 ? to : poseOf(between(orbitOf(from), orbitOf(to), t * t * (3 - 2 * t)));
+/**
+ * Returns the camera on the way to another one, slow at both ends. A camera that is closer than that one moves back
+ * before it turns, so that it does not cross what it looks at.
+ */
+export function eased(from: CameraPose, to: CameraPose, t: number): CameraPose {
+  if (t >= 1) return to;
+  const [begin, end] = [orbitOf(from), orbitOf(to)];
+  const s = t * t * (3 - 2 * t);
+  if (begin.distance >= end.distance) return poseOf(between(begin, end, s));
+  const far = { ...begin, distance: end.distance };
+  const back = 0.4;
+  return poseOf(s < back ? between(begin, far, s / back) : between(far, end, (s - back) / (1 - back)));
+}
 
 /** Returns the angle in degrees of the rotation between two cameras. */
 export function turnBetween(a: Orbit, b: Orbit): number {
@@ -132,12 +142,39 @@ const sampled = (from: Orbit, to: Orbit): Orbit[] => {
 const eyeInside = (orbit: Orbit, subject: Subject): boolean =>
   length(subtract(poseOf(orbit).eye, middleOf(subject))) < leastDistance * radiusOf(subject);
 
-/** Returns the way to the first view of a tour. If the direct one led through the subject, moves back first. */
+/** Returns the camera moved straight away from the middle of the subject until its eye is outside. */
+function backedOff(from: Orbit, subject: Subject): Orbit {
+  const eye = subtract(poseOf(from).eye, middleOf(subject));
+  const away = length(eye) > 1e-6 ? scale(eye, 1 / length(eye)) : orbitFrame(from).back;
+  const missing = leastDistance * radiusOf(subject) - length(eye);
+  return missing > 0 ? { ...from, target: add(from.target, scale(away, 1.001 * missing)) } : from;
+}
+
+/**
+ * Returns the way to the first view of a tour. If the direct one led through the subject, the camera first leaves it by
+ * the shortest way, then turns to its middle, and only then turns around it.
+ */
 function approach(from: Orbit, to: Orbit, subject: Subject): Orbit[] {
   const direct = sampled(from, to);
   if (!direct.some((orbit) => eyeInside(orbit, subject))) return direct;
-  const far = { ...from, distance: Math.max(from.distance, to.distance + length(subtract(from.target, to.target))) };
-  return [...sampled(from, far), ...sampled(far, to).slice(1)];
+  const outside = backedOff(from, subject);
+  const second = sampled(outside, to);
+  if (!second.some((orbit) => eyeInside(orbit, subject))) return [...sampled(from, outside), ...second.slice(1)];
+  // Looking at the target of the tour from the same place.
+  const { eye, up } = poseOf(outside);
+  const facing = orbitOf({ eye, up, target: to.target, verticalFovDegrees: from.verticalFovDegrees });
+  const far = { ...facing, distance: Math.max(facing.distance, to.distance) };
+  return [...sampled(from, outside), ...turned(outside, facing), ...sampled(facing, far), ...sampled(far, to).slice(1)];
+}
+
+/** Returns the cameras that turn from one to the other at the place of the eye. */
+function turned(from: Orbit, to: Orbit): Orbit[] {
+  const { eye } = poseOf(from);
+  const steps = Math.max(1, Math.ceil(turnBetween(from, to) / (sampleStep / degree)));
+  return Array.from({ length: steps + 1 }, (_, i) => {
+    const orbit = between(from, to, i / steps);
+    return { ...orbit, target: subtract(eye, scale(orbitFrame(orbit).back, orbit.distance)) };
+  });
 }
 
 /**

@@ -25,10 +25,20 @@ describe("comfort", () => {
   it("changes the colours of the study by the weighted differences of table 1", () => {
     // Bone #e8ba94 is (232, 186, 148), and blood #fb0404 is (251, 4, 4).
     expect(hexOf(comfortable(rgbOf("#e8ba94"), "bone", 1))).toBe("#cac19a"); // (202, 193, 154)
-    expect(hexOf(comfortable(rgbOf("#e8ba94"), "bone", -2))).toBe("#ffac88"); // (292 clamped, 172, 136)
-    expect(hexOf(comfortable(rgbOf("#fb0404"), "blood", 2))).toBe("#ff2e44"); // (319 clamped, 46, 68)
-    expect(hexOf(comfortable(rgbOf("#fb0404"), "blood", -1))).toBe("#d90000"); // (217, below 0, below 0)
+    // Red cannot rise by 34 and has half its room. Green and blue are (25, 36).
+    expect(hexOf(comfortable(rgbOf("#fb0404"), "blood", 1))).toBe("#fd1924");
   });
+  it.each([rgb(0.95, 0.9, 0.8), rgb(0.9, 0.79, 0.6), rgb(0.97, 0.94, 0.88), rgbOf("#e8ba94")])(
+    "never makes bone green or saturated",
+    (original) => {
+      for (let by = -2; by <= 2; by += 0.05) {
+        const { r, g, b } = comfortable(original, "bone", by);
+        expect(r).toBeGreaterThanOrEqual(g);
+        expect(g).toBeGreaterThan(b);
+        expect(r).toBeLessThanOrEqual(1);
+      }
+    },
+  );
   it("changes blood and bone, and neither skin nor what is visible", () => {
     const softer = setComfort(look, originals, 1.5);
     const [skinAfter, muscleAfter, boneAfter] = coloursOf(softer);
@@ -49,24 +59,19 @@ describe("comfort", () => {
     }
     expect(setComfort(look, originals, 9)).toEqual(setComfort(look, originals, 2));
   });
-  it("also changes a material that the user has coloured, by the same difference", () => {
-    const own = lookOf(channel("muscle", rgbOf("#804040")), bone);
-    const softer = setComfort(own, originals, 1);
-    expect(coloursOf(softer)[0]).toBe("#a25560"); // (128 + 34, 64 + 21, 64 + 32)
-    expect(coloursOf(setComfort(softer, originals, 0))[0]).toBe("#804040");
-  });
-  it("changes labels that are coloured like blood or bone, and leaves the others", () => {
-    const labels = ["#c82020", "#fff0d8", "#3080e0"].map((hex, i) =>
-      create(LabelLookSchema, { number: i + 1, colour: rgbOf(hex) }),
-    );
-    const softer = setComfort({ ...look, labels }, originals, 1);
-    expect(softer.labels.map(({ colour }) => hexOf(colour))).toEqual(["#ea3540", "#e1f7de", "#3080e0"]);
-    const back = setComfort(softer, originals, 0);
-    expect(back.labels.map(({ colour }) => hexOf(colour))).toEqual(["#c82020", "#fff0d8", "#3080e0"]);
+  it("leaves colours of the user and labels alone, again and again", () => {
+    const labels = [create(LabelLookSchema, { number: 1, colour: rgbOf("#c82020") })];
+    const own = { ...lookOf(channel("muscle", rgbOf("#804040")), bone), labels };
+    let scene: Scene = own;
+    for (const by of [1, 2, -2, 0.5]) scene = setComfort(scene, originals, by);
+    expect(coloursOf(scene)[0]).toBe("#804040");
+    expect(scene.labels).toBe(labels);
+    expect(setComfort(scene, originals, 0)).toEqual(own);
   });
   it("is offered only where blood or bone is shown", () => {
-    expect(hasComfort(look)).toBe(true);
-    expect(hasComfort(lookOf(skin))).toBe(false);
-    expect(hasComfort(lookOf(skin, { ...bone, disabled: true }))).toBe(false);
+    expect(hasComfort(look, originals)).toBe(true);
+    expect(hasComfort(lookOf(channel("bone", rgbOf("#112233"))), originals)).toBe(false);
+    expect(hasComfort(lookOf(skin), originals)).toBe(false);
+    expect(hasComfort(lookOf(skin, { ...bone, disabled: true }), originals)).toBe(false);
   });
 });

@@ -30,19 +30,44 @@ const materials: Readonly<Record<string, Material>> = {
 /** Differences of colour components below this are rounding. A step on the screen is 1. */
 const rounding = 1e-3;
 
-const components = ({ r, g, b }: Rgb): [number, number, number] => [
-  255 * screenValue(r),
-  255 * screenValue(g),
-  255 * screenValue(b),
-];
+type Components = readonly [number, number, number];
+
+const components = ({ r, g, b }: Rgb): Components => [255 * screenValue(r), 255 * screenValue(g), 255 * screenValue(b)];
+
+/** The colour of bone from which the study's differences start (thesis, table 1). */
+const boneReference = { red: 232, green: 186, blue: 148 };
+
+/**
+ * Returns bone changed by a comfort. The study started from a tan colour. Its differences would turn our nearly white
+ * bone green, so they apply in proportion to the differences between the components: red never falls below green.
+ */
+function changedBone([red, green, blue]: Components, by: number): Components {
+  const [dr, dg, db] = weightedDifferences.bone;
+  const of = boneReference;
+  const most = (dr - dg) / (of.red - of.green); // change of red over green for a comfort of 1, negative
+  const over = red - green;
+  const towards = over * (by <= 1 ? 1 + most * by : (1 + most) ** by);
+  const level = by > 0 ? Math.min(1, (255 - green) / (255 - of.green)) : green / of.green;
+  const g = green + dg * by * level;
+  const r = by < 0 ? red + dg * by * level - by * Math.min(-most * over, (255 - red) / 2) : g + towards;
+  return [r, g, g - (green - blue) * (1 + ((dg - db) / (of.green - of.blue)) * by)];
+}
+
+/** Returns a component changed so that it reaches neither 0 nor 255 before the end of the scale. */
+const changedBy = (of: number, change: number, by: number): number =>
+  of + Math.abs(by) * clamp(Math.sign(by) * change, -of / 2, (255 - of) / 2);
 
 /** Returns a colour changed by a comfort. */
 export function comfortable(colour: Rgb, material: Material, by: number): Rgb {
   if (by === 0) return colour;
-  const changed = (of: number, change: number) => fromScreen(clamp(of + by * change, 0, 255) / 255);
+  const [dr, dg, db] = weightedDifferences.blood;
   const [red, green, blue] = components(colour);
-  const [r, g, b] = weightedDifferences[material];
-  return rgb(changed(red, r), changed(green, g), changed(blue, b));
+  const [r, g, b] =
+    material === "bone"
+      ? changedBone([red, green, blue], by)
+      : [changedBy(red, dr, by), changedBy(green, dg, by), changedBy(blue, db, by)];
+  const linear = (of: number) => fromScreen(clamp(of, 0, 255) / 255);
+  return rgb(linear(r), linear(g), linear(b));
 }
 
 const isSame = (a: Rgb, b: Rgb): boolean => {
@@ -50,30 +75,16 @@ const isSame = (a: Rgb, b: Rgb): boolean => {
   return p.every((of, i) => Math.abs(of - (q[i] ?? of)) < rounding);
 };
 
-/** Rounded, so that a colour always gives the same comfort, and a comfort the same colour. */
-const rounded = (comfort: number): number => Math.round(comfort * 1000) / 1000;
+/** The steps of the slider, from the smallest change on. */
+const steps = Array.from({ length: 81 }, (_, i) => (i - 40) / 20).sort((a, b) => Math.abs(a) - Math.abs(b));
 
-/** Returns the material of a label by its own colour: saturated red is blood, and pale yellow or white is bone. */
-function materialOf(colour: Rgb): Material | null {
-  const [r, g, b] = components(colour);
-  if (r > 110 && Math.max(g, b) < 0.55 * r) return "blood";
-  return r > 220 && g > 180 && b > 140 && r >= g && g >= b ? "bone" : null;
+function nearestStep(comfort: number): number {
+  return Math.round(20 * comfort) / 20;
 }
 
 /** Returns the comfort that makes `colour` of `original`, or null if it is another colour. */
-function comfortBetween(original: Rgb, colour: Rgb, material: Material): number | null {
-  const [from, to] = [components(original), components(colour)];
-  // Solves for the component that no comfort clamps.
-  const change = weightedDifferences[material];
-  const free = [0, 1, 2].filter((i) => {
-    const reach = Math.abs(2 * (change[i] ?? 0));
-    return (from[i] ?? 0) - reach > 0 && (from[i] ?? 0) + reach < 255;
-  });
-  const solved = (free.length > 0 ? free : [0, 1, 2]).map((i) => ((to[i] ?? 0) - (from[i] ?? 0)) / (change[i] ?? 1));
-  const by = solved.find((one) => Math.abs(one) > rounding) ?? 0;
-  const within = clamp(by, comfortLimits.low, comfortLimits.high);
-  return isSame(comfortable(original, material, within), colour) ? within : null;
-}
+const comfortBetween = (original: Rgb, colour: Rgb, material: Material): number | null =>
+  steps.find((by) => isSame(comfortable(original, material, by), colour)) ?? null;
 
 /** The original colours of the materials by their names, from the scan's looks. */
 export type Originals = ReadonlyMap<string, Rgb>;
@@ -86,41 +97,38 @@ export function originalsOf(looks: readonly (Scene | undefined)[]): Originals {
   return originals;
 }
 
-const originalOf = (channel: Channel, originals: Originals): Rgb | undefined => originals.get(channel.name);
+/** Returns the comfort of a material, or null if it has none: another material, or a colour that the user chose. */
+function comfortOfChannel(channel: Channel, originals: Originals): number | null {
+  const material = materials[channel.name];
+  const original = originals.get(channel.name);
+  return material && original && channel.diffuse ? comfortBetween(original, channel.diffuse, material) : null;
+}
 
-/** Whether a scene shows blood or bone, whose colours a comfort changes. */
-export const hasComfort = (scene: Scene): boolean =>
-  channelsOf(scene).some(({ name, disabled }) => !disabled && materials[name] !== undefined);
+/** Whether a scene shows blood or bone in colours that a comfort can change. */
+export const hasComfort = (scene: Scene, originals: Originals): boolean =>
+  channelsOf(scene).some((channel) => !channel.disabled && comfortOfChannel(channel, originals) !== null);
 
 /** Returns the comfort of a scene: that of its first material with an original colour, or else 0. */
 export function comfortOf(scene: Scene, originals: Originals): number {
   for (const channel of channelsOf(scene)) {
-    const material = materials[channel.name];
-    const original = originalOf(channel, originals);
-    const by = material && original && channel.diffuse && comfortBetween(original, channel.diffuse, material);
-    if (typeof by === "number") return rounded(by);
+    const by = comfortOfChannel(channel, originals);
+    if (by !== null) return by;
   }
   return 0;
 }
 
-/** Changes the comfort of a scene. What is visible stays. */
+/**
+ * Changes the comfort of a scene. What is visible stays. So do labels, and colours that the user chose, because the
+ * way back to them would be unknown.
+ */
 export function setComfort(scene: Scene, originals: Originals, to: number): Scene {
-  const by = rounded(clamp(to, comfortLimits.low, comfortLimits.high));
-  const now = comfortOf(scene, originals);
-  if (by === now) return scene;
+  const by = nearestStep(clamp(to, comfortLimits.low, comfortLimits.high));
+  if (by === comfortOf(scene, originals)) return scene;
   const channels = channelsOf(scene).map((channel) => {
     const material = materials[channel.name];
-    if (!material || !channel.diffuse) return channel;
-    const original = originalOf(channel, originals);
-    const known = original && comfortBetween(original, channel.diffuse, material) !== null;
-    const base = known ? original : comfortable(channel.diffuse, material, -now);
-    return { ...channel, diffuse: comfortable(base, material, by) };
+    const original = originals.get(channel.name);
+    if (!material || !original || comfortOfChannel(channel, originals) === null) return channel;
+    return { ...channel, diffuse: comfortable(original, material, by) };
   });
-  const labels = scene.labels.map((look) => {
-    if (!look.colour) return look;
-    const { colour } = look;
-    const material = (["blood", "bone"] as const).find((one) => materialOf(comfortable(colour, one, -now)) === one);
-    return material ? { ...look, colour: comfortable(comfortable(colour, material, -now), material, by) } : look;
-  });
-  return { ...scene, transferFunction: { ...transferOf(scene), channels }, labels };
+  return { ...scene, transferFunction: { ...transferOf(scene), channels } };
 }

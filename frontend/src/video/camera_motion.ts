@@ -1,11 +1,11 @@
 import { effect, signal } from "@preact/signals";
 import { isSamePose, type CameraPose } from "../input/camera";
 import { eased } from "../input/camera_path";
-import { cameraOf, withCamera } from "../protocol/messages";
+import { cameraOf, withCamera, type Scene } from "../protocol/messages";
 import type { SceneEditor } from "./scene_editor";
 
 export interface MotionParts {
-  readonly editor: Pick<SceneEditor, "scene" | "change" | "rest">;
+  readonly editor: Pick<SceneEditor, "scene" | "change" | "follow" | "rest">;
   readonly nextFrame: (task: () => void) => void;
   readonly nowMs: () => number;
   /** Whether the user prefers reduced motion. */
@@ -94,8 +94,12 @@ export class CameraMotion {
 
   private apply(what: string, pose: CameraPose): void {
     if (this.set && isSamePose(pose, this.set)) return;
+    const edit = (scene: Scene) => withCamera(scene, pose);
+    const isFirst = this.set === null;
     this.set = pose;
-    this.parts.editor.change(what, (scene) => withCamera(scene, pose), true);
+    // Later frames make no step, because edits between them would end the step of the motion.
+    if (isFirst) this.parts.editor.change(what, edit, true);
+    else this.parts.editor.follow(edit);
     const scene = this.parts.editor.scene.peek();
     const now = scene && cameraOf(scene);
     if (now && !isSamePose(now, pose)) this.end(); // another participant presents by now

@@ -8,6 +8,8 @@ import { Tour } from "./tour";
 export interface GuideParts {
   readonly editor: SceneEditor;
   readonly leads: () => boolean;
+  /** Whether this viewer presents. One with a free camera leads, but gets no views for a tour. */
+  readonly presents: () => boolean;
   readonly canvasSize: () => Viewport;
   /** Asks the worker for good views of the scene. Returns false without a connection. */
   readonly askForViews: () => boolean;
@@ -34,6 +36,7 @@ export class GuidedCamera {
     });
     this.tour = new Tour({
       ...parts,
+      leads: () => parts.leads() && parts.presents(),
       motion: this.motion,
       ask: parts.askForViews,
       aspect: () => parts.canvasSize().width / parts.canvasSize().height,

@@ -13,7 +13,7 @@ import {
   type Viewport,
 } from "../protocol/messages";
 import { changed, nothingYet, redone, rested, undone, type History, type Moved } from "../scene/history";
-import { comfortOf, originalsOf, setComfort, type Originals } from "../scene/comfort";
+import { comfortOf, hasComfort, originalsOf, setComfort, type Originals } from "../scene/comfort";
 import { labelsAfter } from "../scene/labels";
 import { resetPart, type Part } from "../scene/parts";
 
@@ -88,6 +88,12 @@ export class SceneEditor {
     const scene = this.scene.value;
     const edited = scene && edit(scene);
     if (edited && edited !== scene) this.setScene(edited, { what, held });
+  }
+
+  /** Continues a motion of the camera whose undo step exists already. */
+  follow(edit: (scene: Scene) => Scene): void {
+    const scene = this.scene.value;
+    if (scene) this.setScene(edit(scene), null);
   }
 
   /** Ends a gesture. */
@@ -199,6 +205,11 @@ export class SceneEditor {
   comfort(): number {
     const scene = this.scene.value;
     return scene ? comfortOf(scene, this.originals()) : 0;
+  }
+
+  hasComfort(): boolean {
+    const scene = this.scene.value;
+    return scene !== null && hasComfort(scene, this.originals());
   }
 
   setComfort(to: number, held: boolean): void {

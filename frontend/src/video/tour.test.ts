@@ -33,12 +33,14 @@ let shownInput: number;
 let editor: SceneEditor;
 let motion: CameraMotion;
 let tour: Tour;
+let shape: { width: number; height: number };
 
 beforeEach(() => {
   [leads, calm, nowMs, frames, sent, rests, shownInput] = [true, false, 0, [], [], 0, 0];
+  shape = { width: 400, height: 300 };
   editor = new SceneEditor({
     leads: () => leads,
-    canvasSize: () => ({ width: 400, height: 300 }),
+    canvasSize: () => shape,
     send: (scene) => sent.push(scene),
     rest: () => (rests += 1),
   });
@@ -55,7 +57,7 @@ beforeEach(() => {
     motion,
     ask: () => true,
     leads: () => leads,
-    aspect: () => 4 / 3,
+    aspect: () => shape.width / shape.height,
     sentInput: () => sent.length,
     shownInput: () => shownInput,
     after: () => () => undefined,
@@ -135,18 +137,37 @@ describe("Show me around", () => {
       expect(pose()).toEqual(after);
     }
   });
-  it("continues with another look or after the window has changed its shape", async () => {
+  it("continues after the window has changed its shape, at the distance of that shape", async () => {
     await start();
-    pass(100);
-    editor.change("density", (scene) => ({ ...scene, bounces: 3 }));
-    expect(tour.state.value).toBe("moving");
+    pass(1000);
+    const before = orbitOf(pose()).distance;
     motion.during(() =>
       tour.during(() => {
-        editor.resized({ width: 400, height: 300 }, { width: 300, height: 600 });
+        shape = { width: 300, height: 600 };
+        editor.resized({ width: 400, height: 300 }, shape);
       }),
     );
     expect(tour.state.value).toBe("moving");
     pass(10);
+    expect(orbitOf(pose()).distance / before).toBeCloseTo(2, 2); // the picture is half as wide as it is high
+    expect(tour.state.value).toBe("moving");
+  });
+  it("ends when anything but the camera changes, with two undo steps", async () => {
+    await start();
+    pass(100);
+    editor.change("density", (scene) => ({ ...scene, bounces: 3 }), true);
+    pass(100);
+    expect(tour.state.value).toBe("off");
+    expect(editor.steps.value.past.length).toBe(2);
+  });
+  it("ignores the answer to a stopped request, without a message", async () => {
+    const first = tour.toggle();
+    tour.stop();
+    const second = tour.toggle();
+    await first;
+    expect([tour.state.value, tour.fault.value]).toEqual(["asking", null]);
+    tour.receive(goodViews);
+    await second;
     expect(tour.state.value).toBe("moving");
   });
   it("stops when somebody else presents, and starts only for the presenter", async () => {

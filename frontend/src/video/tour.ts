@@ -25,6 +25,9 @@ export type TourState = "off" | "asking" | "moving" | "paused";
 /** Why there is no tour. */
 export type TourFault = "nothing" | "unanswered";
 
+/** Views, null without an answer, or "stopped" if nobody waits for it anymore. */
+type Answer = GoodViews | null | "stopped";
+
 /** Key views of a video of the tour. */
 const videoKeys = 16;
 const patienceMs = 5000;
@@ -43,14 +46,20 @@ export class Tour {
   /** Where along the path the camera was at each input that is not shown yet. */
   private sent: { readonly input: number; readonly at: number }[] = [];
   private resizing = false;
+  /** The scene of the tour. A change of anything but the camera may show matter where the path leads. */
+  private scene: Scene | null = null;
   private pausedAt: CameraPose | null = null;
-  private answered: (views: GoodViews | null) => void = () => undefined;
+  /** Counts starts and stops, so that an answer to a stopped tour is ignored. */
+  private run = 0;
+  private answered: (views: Answer) => void = () => undefined;
   private readonly stopWatching: () => void;
 
   constructor(private readonly parts: TourParts) {
     this.stopWatching = effect(() => {
-      const pose = poseOfScene(parts.editor.scene.value);
-      if (this.resizing) this.pausedAt = this.pausedAt && pose;
+      const scene = parts.editor.scene.value;
+      const pose = poseOfScene(scene);
+      if (this.scene && !(scene && sameMatter(this.scene, scene))) this.stop();
+      else if (this.resizing) this.pausedAt = this.pausedAt && pose;
       else if (this.pausedAt && !(pose && isSamePose(pose, this.pausedAt))) this.end(); // moved while it was paused
     });
   }
@@ -63,11 +72,13 @@ export class Tour {
     }
     if (!this.parts.leads()) return;
     this.state.value = "asking";
+    const run = ++this.run;
+    const scene = this.parts.editor.scene.peek();
     const path = await this.findPath();
-    if (this.asking()) {
-      this.state.value = "off";
-      if (path) this.begin(path);
-    }
+    if (run !== this.run) return; // stopped meanwhile, and maybe started again
+    this.state.value = "off";
+    const now = this.parts.editor.scene.peek();
+    if (path && scene && now && sameMatter(scene, now)) this.begin(path, now);
   }
 
   pauseOrContinue(): void {
@@ -84,6 +95,7 @@ export class Tour {
   stop(): void {
     const moved = this.state.peek() === "moving";
     this.end();
+    this.settle();
     if (moved) this.parts.motion.stop();
   }
 
@@ -108,17 +120,14 @@ export class Tour {
 
   close(): void {
     this.end();
-    this.receive(null);
+    this.settle();
     this.stopWatching();
-  }
-
-  private asking(): boolean {
-    return this.state.peek() === "asking";
   }
 
   private async findPath(): Promise<CameraPath | null> {
     this.fault.value = null;
     const views = await this.askForViews();
+    if (views === "stopped") return null;
     const pose = poseOfScene(this.parts.editor.scene.peek());
     if (views && pose && views.views.length > 0 && views.low && views.high) {
       const directions = views.views.map((view) => ({
@@ -132,8 +141,8 @@ export class Tour {
     return null;
   }
 
-  private askForViews(): Promise<GoodViews | null> {
-    this.answered(null);
+  private askForViews(): Promise<Answer> {
+    this.settle();
     if (!this.parts.ask()) return Promise.resolve(null);
     return new Promise((resolve) => {
       const disarm = this.parts.after(patienceMs, () => this.answered(null));
@@ -145,50 +154,64 @@ export class Tour {
     });
   }
 
-  private begin(path: CameraPath): void {
+  /** Ends a request that nobody waits for, without a message. */
+  private settle(): void {
+    this.answered("stopped");
+  }
+
+  private begin(path: CameraPath, scene: Scene): void {
     this.path = path;
+    this.scene = scene;
     this.at = 0;
     this.move();
   }
 
   private move(): void {
-    const path = this.path;
-    if (!path) return;
+    if (!this.path) return;
     this.sent = [];
     this.shown = this.at;
     this.state.value = "moving";
-    const step = this.parts.isCalm() ? this.stills(path) : (ms: number) => this.next(path, ms);
+    const step = this.parts.isCalm() ? (ms: number) => this.nextStill(ms) : (ms: number) => this.next(ms);
     this.parts.motion.start("tour", step, () => {
       if (this.state.peek() === "moving") this.end();
     });
   }
 
-  private next(path: CameraPath, elapsedMs: number): CameraPose | null {
-    if (this.at >= (path.stops.at(-1) ?? 0)) return null;
+  private next(elapsedMs: number): CameraPose | null {
+    const { path } = this; // of the window's current shape
+    if (!path || this.at >= (path.stops.at(-1) ?? 0)) return null;
     const shownInput = this.parts.shownInput();
-    this.shown = Math.max(this.shown, ...this.sent.filter(({ input }) => input <= shownInput).map(({ at }) => at));
+    for (const { input, at } of this.sent) if (input <= shownInput) this.shown = Math.max(this.shown, at);
     this.sent = this.sent.filter(({ input }) => input > shownInput);
     this.at = advanced(path, this.at, elapsedMs, this.shown);
     // The next input carries this camera, whether it is sent now or with the next screen refresh.
-    this.sent.push({ input: this.parts.sentInput() + 1, at: this.at });
+    const input = this.parts.sentInput() + 1;
+    if (this.sent.at(-1)?.input === input) this.sent.pop();
+    this.sent.push({ input, at: this.at });
     return cameraAt(path, this.at);
   }
 
-  /** Shows views one after the other without motion between them. */
-  private stills(path: CameraPath): (elapsedMs: number) => CameraPose | null {
-    const poses = keyCameras(path, stillViews + 1);
-    let elapsed = 0;
-    return (ms) => {
-      elapsed += ms;
-      return poses[Math.floor(elapsed / stillMs)] ?? null;
-    };
+  /** Shows views one after the other without motion between them. Here, `at` is the time in ms. */
+  private nextStill(elapsedMs: number): CameraPose | null {
+    if (!this.path) return null;
+    // A hidden page gets no frames. It continues with the view that it left.
+    this.at += Math.min(Math.max(elapsedMs, 0), stillMs);
+    return keyCameras(this.path, stillViews + 1)[Math.floor(this.at / stillMs)] ?? null;
   }
 
   private end(): void {
+    this.run += 1;
     this.pausedAt = null;
     this.path = null;
+    this.scene = null;
     this.state.value = "off";
   }
+}
+
+/** Whether two scenes show the same, apart from the camera. Edits replace only the parts that they change. */
+function sameMatter(a: Scene, b: Scene): boolean {
+  const keys = Object.keys({ ...a, ...b }) as (keyof Scene)[];
+  return keys.every((key) => key === "camera" || a[key] === b[key]);
 }
 
 const poseOfScene = (scene: Scene | null): CameraPose | null => scene && cameraOf(scene);

@@ -113,6 +113,7 @@ export class ViewerSession {
     editor: this.editor,
     leads: () => this.client.leads,
     canvasSize: () => this.canvasSize,
+    presents: () => roleOf(this.audience.peek()).presents,
     askForViews: () => this.client.say(encodeGoodViewsQuery()),
     sentInput: () => this.client.inputSeq,
     shownInput: () => this.pictures.picture.peek()?.inputSeq ?? 0,
@@ -417,8 +418,8 @@ export class ViewerSession {
         this.pictures.beginWith(0); // the first input may be the refused one
         if (field === "good_views") this.guide.tour.receive(null);
         if (field.startsWith("own_camera")) this.ownView.refused();
-        // A refused pointer or mark needs no message: the presenter has turned off those of guests.
-        if (field !== "pointer" && field !== "marks") this.problem.value = problemText(field, message);
+        // A tour reports its own failure, and a refused pointer or mark needs no message: the presenter has turned off those of guests.
+        if (!["pointer", "marks", "good_views"].includes(field)) this.problem.value = problemText(field, message);
       },
       fileProgress: () => undefined,
       filePart: () => undefined,

@@ -64,7 +64,7 @@ export const settings: Texts["settings"] = {
     },
     around: "Rundgang zeigen",
     aroundLead:
-      "Ein langsamer Rundgang durch die Ansichten, die am meisten von Ihrer Aufnahme zeigen. Er endet, sobald Sie das Bild bewegen.",
+      "Ein langsamer Rundgang durch die Ansichten, die am meisten von Ihrer Aufnahme zeigen. Er endet, sobald Sie das Bild bewegen. P hält ihn an.",
     pause: "Anhalten",
     goOn: "Fortsetzen",
     stop: "Beenden",
@@ -103,7 +103,7 @@ export const settings: Texts["settings"] = {
   look: {
     comfort: {
       name: "Sanftere Farben",
-      help: "Rechts wirken Blut und Knochen sanfter, links kräftiger. Was zu sehen ist, bleibt gleich.",
+      help: "Rechts wirken Blut und Knochen sanfter, links kräftiger. Nur die Farben ändern sich.",
     },
     channels: "Materialien",
     channel: (name, n) => nameOf(name) || `Material ${n}`,

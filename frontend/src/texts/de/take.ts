@@ -71,7 +71,7 @@ export const take: Texts["take"] = {
   turntableLead:
     "Was Sie gerade sehen, einmal um die Längsachse des Körpers gedreht. Das Video läuft ohne Sprung in einer Schleife. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   aroundLead:
-    "Was Sie gerade sehen, in einer langsamen Runde durch die Ansichten, die am meisten davon zeigen. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
+    "Was Sie gerade sehen, in einem langsamen Rundgang durch die Ansichten, die am meisten davon zeigen. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   tourLead:
     "Ein fließender Übergang von einer gespeicherten Voreinstellung zur nächsten: Blickpunkt, Farben und Lichter ändern sich allmählich. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   seconds: "Länge in Sekunden",

@@ -63,7 +63,8 @@ export const settings = {
       I: "Below",
     },
     around: "Show me around",
-    aroundLead: "A slow tour through the views that show most of your scan. It stops as soon as you move the picture.",
+    aroundLead:
+      "A slow tour through the views that show most of your scan. It stops as soon as you move the picture. P pauses it.",
     pause: "Pause",
     goOn: "Continue",
     stop: "Stop",
@@ -102,7 +103,7 @@ export const settings = {
   look: {
     comfort: {
       name: "Softer colours",
-      help: "Blood and bone look gentler to the right, and stronger to the left. What you see stays the same.",
+      help: "Blood and bone look gentler to the right, and stronger to the left. Only the colours change.",
     },
     channels: "Materials",
     channel: (name: string, n: number) => nameOf(name) || `Material ${n}`,

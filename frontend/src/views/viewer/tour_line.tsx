@@ -7,12 +7,14 @@ import type { ViewerSession } from "../../video/viewer_session";
 export interface TourLineProps {
   readonly session: ViewerSession;
   readonly role: Role;
+  /** Puts the focus on the picture, because the focused button goes away. */
+  readonly onHide: () => void;
   /** Opens the form for a video of the tour. */
   readonly onVideo: () => void;
 }
 
 /** The state of the tour, with its controls. Escape stops the tour from anywhere on the page. */
-export function TourLine({ session, role, onVideo }: TourLineProps) {
+export function TourLine({ session, role, onHide, onVideo }: TourLineProps) {
   const { tour } = session.guide;
   const state = tour.state.value;
   const fault = tour.fault.value;
@@ -23,7 +25,14 @@ export function TourLine({ session, role, onVideo }: TourLineProps) {
     return (
       <p class="glass pill tour-line">
         <span>{text[fault ?? "unanswered"]}</span>
-        <button type="button" class="button button-small" onClick={() => (tour.fault.value = null)}>
+        <button
+          type="button"
+          class="button button-small"
+          onClick={() => {
+            tour.fault.value = null;
+            onHide();
+          }}
+        >
           {t.close}
         </button>
       </p>
@@ -38,7 +47,14 @@ export function TourLine({ session, role, onVideo }: TourLineProps) {
             {state === "paused" ? text.goOn : text.pause}
           </button>
         )}
-        <button type="button" class="button button-small" onClick={() => tour.stop()}>
+        <button
+          type="button"
+          class="button button-small"
+          onClick={() => {
+            tour.stop();
+            onHide();
+          }}
+        >
           {text.stop}
         </button>
         {state === "asking" || !maySaveVideos(session, role) ? null : (
@@ -66,7 +82,8 @@ function useStopKey(session: ViewerSession, active: boolean): void {
       event.preventDefault();
       session.guide.tour.stop();
     };
-    addEventListener("keydown", pressed);
-    return () => removeEventListener("keydown", pressed);
+    // Before a window takes the key to close itself.
+    addEventListener("keydown", pressed, true);
+    return () => removeEventListener("keydown", pressed, true);
   }, [session, active]);
 }

@@ -15,6 +15,8 @@ export function useKeyCommands(obey: (command: KeyCommand) => void): void {
       );
       if (!command) return;
       event.preventDefault();
+      // Holding a key that switches something must not switch it back and forth.
+      if (event.repeat && (command.kind === "tour" || command.kind === "pause")) return;
       latest.current(command);
     };
     addEventListener("keydown", pressed);

@@ -93,7 +93,9 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
         {own ? <PictureTimeLine onHide={focusPicture} /> : null}
         <ShotLine shot={shot} />
         {session && role.presents && role.others > 0 ? <RaisedHands session={session} role={role} /> : null}
-        {session && !cutting ? <TourLine session={session} role={role} onVideo={() => setOpen("film")} /> : null}
+        {session && !cutting ? (
+          <TourLine session={session} role={role} onHide={focusPicture} onVideo={() => setOpen("film")} />
+        ) : null}
         {session && !cutting ? <HiddenTable session={session} presents={role.presents} /> : null}
       </StatusLine>
       {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}

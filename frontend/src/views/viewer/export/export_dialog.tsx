@@ -1,4 +1,5 @@
 import { useState } from "preact/hooks";
+import { roleOf } from "../../../live/role";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
@@ -29,6 +30,9 @@ export function ExportDialog(props: ExportDialogProps) {
   const { session, what: first, rendered, guest, exportable, busy, onExport, onClose } = props;
   const text = t.take;
   const [what, setWhat] = useState(first);
+  // A tour goes through saved presets, which a visitor without an account does not have. Only the presenter gets views.
+  const isOffered = (kind: string) =>
+    kind === "tour" ? session.dataSetId !== null : kind !== "around" || roleOf(session.audience.value).presents;
   return (
     <Dialog title={text.title} onClose={onClose}>
       <section class="share-part" aria-labelledby="take-picture">
@@ -37,8 +41,7 @@ export function ExportDialog(props: ExportDialogProps) {
           <Choice
             label={text.what}
             value={what}
-            // A tour goes through saved presets, which a visitor without an account does not have.
-            options={Object.entries(text.kinds).filter(([kind]) => kind !== "tour" || session.dataSetId !== null)}
+            options={Object.entries(text.kinds).filter(([kind]) => isOffered(kind))}
             onChoose={(kind) => setWhat(kind as typeof what)}
           />
         ) : null}

@@ -1,7 +1,7 @@
 import { useRef, useState } from "preact/hooks";
 import type { Channel, TransferFunction } from "../../../protocol/gen/api/proto/scene_pb";
 import { Modality } from "../../../protocol/messages";
-import { comfortLimits, hasComfort } from "../../../scene/comfort";
+import { comfortLimits } from "../../../scene/comfort";
 import * as transfer from "../../../scene/transfer";
 import { local } from "../../../storage";
 import { t } from "../../../texts";
@@ -167,7 +167,7 @@ function MaterialColour({ channel, edits }: { readonly channel: Channel; readonl
 function Comfort({ session }: WindowProps) {
   const { editor } = session;
   const text = t.settings.look.comfort;
-  if (!editor.scene.value || !hasComfort(editor.scene.value)) return null;
+  if (!editor.hasComfort()) return null;
   return (
     <div class="comfort">
       <NumberControl

@@ -1,4 +1,5 @@
 import { standardSides } from "../../../input/cube";
+import { roleOf } from "../../../live/role";
 import { t } from "../../../texts";
 import type { WindowProps } from "./controls";
 
@@ -22,12 +23,21 @@ export function ViewWindow({ session }: WindowProps) {
           </button>
         ))}
       </div>
-      <p class="hint">{text.aroundLead}</p>
-      <p>
-        <button type="button" class="button button-main" aria-keyshortcuts="T" onClick={() => void guide.tour.toggle()}>
-          {running ? text.stop : text.around}
-        </button>
-      </p>
+      {roleOf(session.audience.value).presents ? (
+        <>
+          <p class="hint">{text.aroundLead}</p>
+          <p>
+            <button
+              type="button"
+              class="button button-main"
+              aria-keyshortcuts="T"
+              onClick={() => void guide.tour.toggle()}
+            >
+              {running ? text.stop : text.around}
+            </button>
+          </p>
+        </>
+      ) : null}
     </>
   );
 }
