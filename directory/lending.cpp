@@ -63,7 +63,7 @@ class Draw {
       if (!helps && eligible(one, rules) && one.load + one.lent <= idle) idle_.push_back(&one);
     }
   }
-  /// Returns the better of two random peers, which is then drawn no more, or null.
+  /// Returns the better of two random peers, and removes it, or returns null.
   const PeerLoad* next() {
     if (idle_.empty()) return nullptr;
     const auto draw = [&] { return static_cast<std::size_t>(random_() % idle_.size()); };

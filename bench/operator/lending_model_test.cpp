@@ -116,7 +116,7 @@ TEST(LendingModel, LonePersonGetsTheWholeIdleFleet) {
   }
 }
 
-TEST(LendingModel, SpareTimeYieldsToWhoNeedsIt) {
+TEST(LendingModel, SpareTimeYieldsToNeed) {
   LendingModel with(with_spare(3), {}, 1);
   LendingModel without({}, {}, 1);
   // The first is alone with its device, the second is overloaded, and the third is idle.

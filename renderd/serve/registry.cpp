@@ -116,7 +116,7 @@ Registry::Loads Registry::loads(const std::vector<SessionHost::Live>& live) {
   spare_before_ = spare_until_now;
   std::vector<ExpectedLoad::Usage> usage;
   for (const SessionHost::Live& one : live) usage.push_back({one.id, one.device_seconds});
-  // A device that only gives spare time is idle to whoever places sessions or scales the fleet.
+  // A device that only gives spare time is idle when sessions are placed and the fleet is scaled.
   return {.busy = seconds > 0 ? std::clamp((busy - spare) / seconds, 0.0, 1.0) : 0,
           .expected = expected_.after(seconds, busy - lent, usage, host_.slots())};
 }

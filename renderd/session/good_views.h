@@ -21,7 +21,7 @@ struct GoodViews {
   Double3 low, high;            ///< corners of the box around all visible matter, mm in world space
 };
 
-/// Returns the views of a scene from which most of its matter can be seen (docs/adr/0038): 5 to 8
+/// Returns the views of a scene from which most of its matter can be seen (docs/adr/0037): 5 to 8
 /// all around the patient, or none if nothing is visible. Neighbours are 45 to 75 degrees of
 /// azimuth apart. The time does not depend on the size
 /// of the volume. Precondition: `scene` has passed
