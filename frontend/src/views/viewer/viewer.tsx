@@ -68,6 +68,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
   const cutting = onCut !== undefined;
   const cut = onCut && place.data_set_id !== null ? { dataSetId: place.data_set_id, onConfirm: onCut } : null;
   const focusPicture = () => canvas.current?.focus();
+  const film = () => setOpen("film");
   const obey = (command: KeyCommand) => {
     if (session) obeyCommand(command, { session, page: page.current, slices: !cutting, open: setOpen });
   };
@@ -93,9 +94,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
         {own ? <PictureTimeLine onHide={focusPicture} /> : null}
         <ShotLine shot={shot} />
         {session && role.presents && role.others > 0 ? <RaisedHands session={session} role={role} /> : null}
-        {session && !cutting ? (
-          <TourLine session={session} role={role} onHide={focusPicture} onVideo={() => setOpen("film")} />
-        ) : null}
+        {session && !cutting ? <TourLine session={session} role={role} onHide={focusPicture} onVideo={film} /> : null}
         {session && !cutting ? <HiddenTable session={session} presents={role.presents} /> : null}
       </StatusLine>
       {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}
