@@ -51,7 +51,9 @@ function buttonsOf(session: ViewerSession | null, own: boolean, set: DataSet | n
   return { slices, account: own, presets: set !== null, sharing: set?.owned ?? false };
 }
 
-type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "set" | "shot" | "close"> & { readonly session: ViewerSession };
+type ExportOfPictureProps = Pick<ViewerDialogsProps, "role" | "set" | "shot" | "close"> & {
+  readonly session: ViewerSession;
+};
 
 function ExportOfPicture({ session, role, set, shot, close }: ExportOfPictureProps) {
   return (
