@@ -66,8 +66,9 @@ Sampled sample(const CoarseView& scene, const Grid& grid, std::array<int, 3> cel
   double densest = 0;
   constexpr int kAll = kSamples * kSamples * kSamples;
   for (int i = 0; i < kAll; ++i) {
+    const int layer = i / (kSamples * kSamples);
     const Double3 part{(i % kSamples + 0.5) / kSamples, (i / kSamples % kSamples + 0.5) / kSamples,
-                       (i / (kSamples * kSamples) + 0.5) / kSamples};
+                       (layer + 0.5) / kSamples};
     const Double3 at = grid.place({cell[0] + part.x, cell[1] + part.y, cell[2] + part.z});
     const Float3 place = to_float(at) * scene.inverse_spacing;
     if (!is_kept<kAllFeatures>(scene, place)) continue;
@@ -246,9 +247,10 @@ void set_box(const Grid& grid, const WorldToFrame& frame, GoodViews& to) {
   const auto [nx, ny, nz] = grid.size;
   for (int i = 0; i < nx * ny * nz; ++i) {
     if (grid.cells[static_cast<std::size_t>(i)].alpha <= 0) continue;
+    const int layer = i / (nx * ny);
     for (int corner = 0; corner < 8; ++corner) {
       const Double3 at{i % nx + (corner & 1) * 1.0, i / nx % ny + (corner >> 1 & 1) * 1.0,
-                       i / (nx * ny) + (corner >> 2) * 1.0};
+                       layer + (corner >> 2) * 1.0};
       const Double3 from_middle = grid.place(at) - frame.extent * 0.5;
       enclose(frame.axes[0] * from_middle.x + frame.axes[1] * from_middle.y +
                   frame.axes[2] * from_middle.z,
