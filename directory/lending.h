@@ -34,8 +34,8 @@ struct Helper {
 /// State of one worker between two calls, one second apart.
 struct Lending {
   std::vector<Helper> helpers;
-  double calm = 0;   ///< seconds since its own device was not sufficient
-  double still = 0;  ///< seconds since its own sessions rendered
+  double calm = 0;   ///< for how many seconds its own device has been sufficient
+  double still = 0;  ///< for how many seconds its own sessions have rendered nothing
 };
 
 struct LendingRules {

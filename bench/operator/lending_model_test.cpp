@@ -130,12 +130,17 @@ TEST(LendingModel, SpareTimeYieldsToNeed) {
   EXPECT_LT(with.spare(0)[0], 0.3) << "what the overloaded device leaves";
 }
 
-TEST(LendingModel, SpareTimeDelaysNobody) {
+Setting small_fleet() {
   Setting setting;
   setting.sessions = 1600;
   setting.devices = 128;
   setting.ramp_seconds = 60;
   setting.seconds = 60;
+  return setting;
+}
+
+TEST(LendingModel, SpareTimeDelaysNobody) {
+  Setting setting = small_fleet();
   double needed = 0, spare = 0;
   for (setting.seed = 1; setting.seed <= 8; ++setting.seed) {
     setting.lending.most_spare = 0;
@@ -151,11 +156,7 @@ TEST(LendingModel, SpareTimeDelaysNobody) {
 }
 
 TEST(LendingModel, LendingHalvesTheLossesWithoutChangingPlacement) {
-  Setting setting;
-  setting.sessions = 1600;
-  setting.devices = 128;
-  setting.ramp_seconds = 60;
-  setting.seconds = 60;
+  Setting setting = small_fleet();
   const Figures alone = FleetModel(setting, Way::kLoad).run();
   const Figures lending = FleetModel(setting, Way::kLoadAndLending).run();
   EXPECT_EQ(lending.placings, alone.placings);

@@ -23,9 +23,8 @@ struct GoodViews {
 
 /// Returns the views of a scene from which most of its matter can be seen (docs/adr/0037): 5 to 8
 /// all around the patient, or none if nothing is visible. Neighbours are 45 to 75 degrees of
-/// azimuth apart. The time does not depend on the size
-/// of the volume. Precondition: `scene` has passed
-/// check_scene.
+/// azimuth apart. The time does not depend on the size of the volume. Precondition: `scene` has
+/// passed check_scene.
 GoodViews good_views(const CoarseVolume& coarse, const diaphane::v1::Scene& scene);
 
 diaphane::v1::GoodViews to_proto(const GoodViews& views);
