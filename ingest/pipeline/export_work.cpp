@@ -1,10 +1,10 @@
 #include "ingest/pipeline/export_work.h"
 
-#include <algorithm>
 #include <filesystem>
 
 #include "common/ids.h"
 #include "common/log.h"
+#include "ingest/pipeline/doubled_pause.h"
 #include "volume/volume.h"
 
 namespace diaphane::ingest {
@@ -42,10 +42,7 @@ bool ExportWorker::work_once(const std::function<bool()>& is_stopping) {
 }
 
 void ExportWorker::wait(const ExportJob& job, const Error& why) {
-  constexpr int kMostDoublings = 20;
-  const auto pause = std::min<std::chrono::milliseconds>(
-      options_.first_pause * (1LL << std::clamp(job.waits, 0, kMostDoublings)),
-      options_.longest_pause);
+  const auto pause = doubled_pause(options_.first_pause, job.waits, options_.longest_pause);
   log::warning("export_waits", {{"export", job.id},
                                 {"data_set", job.data_set_id},
                                 {"reason", why.message},

@@ -9,6 +9,7 @@
 #include "common/ids.h"
 #include "common/log.h"
 #include "ingest/head/find_head.h"
+#include "ingest/pipeline/doubled_pause.h"
 #include "volume/store.h"
 
 namespace diaphane::ingest {
@@ -35,22 +36,15 @@ WaitReason reason_of(ErrorCode code) {
   return code == ErrorCode::kOutOfMemory ? WaitReason::kMemory : WaitReason::kService;
 }
 
-std::chrono::milliseconds doubled(std::chrono::milliseconds first, int times,
-                                  std::chrono::milliseconds longest) {
-  constexpr int kMostDoublings = 20;
-  return std::min<std::chrono::milliseconds>(first * (1LL << std::clamp(times, 0, kMostDoublings)),
-                                             longest);
-}
-
 }  // namespace
 
 std::chrono::milliseconds Worker::pause_after(int waits, const Options& options) {
-  return doubled(options.first_pause, waits, options.longest_pause);
+  return doubled_pause(options.first_pause, waits, options.longest_pause);
 }
 
 std::chrono::milliseconds Worker::pause_for_memory(int attempts, const Options& options) {
   // The job may be the cause, so the next attempt is late enough for another cause to pass.
-  return doubled(4 * options.first_pause, attempts, options.longest_pause_for_memory);
+  return doubled_pause(4 * options.first_pause, attempts, options.longest_pause_for_memory);
 }
 
 std::string Worker::upload_path(const Job& job) const {

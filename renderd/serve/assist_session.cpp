@@ -96,7 +96,8 @@ bool AssistHost::end_spare() {
                  [](const auto& session) { return session->with_spare_time(); });
   }
   for (const auto& session : ending) {
-    session->end({ErrorCode::kUnavailable, "This worker needs its memory.", {}});
+    session->end(
+        {ErrorCode::kUnavailable, "This worker has no time or memory to spare any longer.", {}});
   }
   return !ending.empty();
 }
