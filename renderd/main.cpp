@@ -240,8 +240,7 @@ Registry::Options registry_options(const Parts& parts, const std::string& incarn
           // once.
           .drain_ordered =
               [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); },
-          .lent_seconds = [&] { return worker.assists().lent_seconds(); },
-          .spare_seconds = [&] { return worker.assists().spare_seconds(); }};
+          .lent_seconds = [&] { return worker.assists().lent_seconds(); }};
 }
 
 CapacityBroker::Options broker_options(const Parts& parts, const std::string& incarnation) {
@@ -257,7 +256,6 @@ CapacityBroker::Options broker_options(const Parts& parts, const std::string& in
   lending.rules.most_spare = parts.settings.lend_spare ? parts.settings.lend : 0;
   lending.busy_seconds = [&] { return worker.homes().busy_seconds(); };
   lending.lent_seconds = [&] { return worker.assists().lent_seconds(); };
-  lending.spare_seconds = [&] { return worker.assists().spare_seconds(); };
   lending.waiting = [&] { return worker.homes().waiting(); };
   lending.volumes = [&] { return worker.volumes().loaded(); };
   lending.updated = [&](std::size_t borrowed) {

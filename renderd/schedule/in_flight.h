@@ -18,10 +18,11 @@ class InFlight {
 
   /// Begins a quantum. `fill` is 0 for a quantum that only makes a picture from the existing
   /// samples; rendered() is not called for it. Quanta of a lower `precedence` pause until this one
-  /// ends. The maximum is kHighestPrecedence.
-  void begin(double fill, Time now, unsigned precedence = 0) {
+  /// ends. The maximum is kHighestPrecedence. `spare`: it uses time that nothing else needs.
+  void begin(double fill, Time now, unsigned precedence = 0, bool spare = false) {
     pass(now);
     ++count_;
+    if (spare) ++spare_;
     ++levels_[precedence].count;
     if (fill > 0) ++rendering_;
     filled_ += fill;
@@ -40,9 +41,11 @@ class InFlight {
     ++levels_[to].count;
     return levels_[from].own_seconds - levels_[to].own_seconds;
   }
-  void end(Time now, unsigned precedence = 0) {
+  /// `precedence` and `spare` are those of begin() and raise().
+  void end(Time now, unsigned precedence = 0, bool spare = false) {
     pass(now);
     --count_;
+    if (spare) --spare_;
     --levels_[precedence].count;
   }
 
@@ -71,12 +74,18 @@ class InFlight {
     pass(now);
     return busy_seconds_;
   }
+  /// Returns the part of busy_seconds() during which not all quanta used spare time.
+  double needed_seconds(Time now) {
+    pass(now);
+    return needed_seconds_;
+  }
 
  private:
   void pass(Time now) {
     const double seconds = std::max(std::chrono::duration<double>(now - at_).count(), 0.0);
     if (count_ > 0) {
       busy_seconds_ += seconds;
+      if (count_ > spare_) needed_seconds_ += seconds;
       Level& working = levels_[highest()];
       working.own_seconds += seconds / static_cast<double>(working.count);
     }
@@ -89,9 +98,9 @@ class InFlight {
     double own_seconds = 0;
   };
 
-  std::size_t count_ = 0, rendering_ = 0;
+  std::size_t count_ = 0, spare_ = 0, rendering_ = 0;
   std::array<Level, kHighestPrecedence + 1> levels_{};
-  double filled_ = 0, busy_seconds_ = 0;
+  double filled_ = 0, busy_seconds_ = 0, needed_seconds_ = 0;
 };
 
 /// Returns whether the device should get another quantum. Every device gets quanta until it is

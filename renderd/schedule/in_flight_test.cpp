@@ -45,6 +45,18 @@ TEST(InFlight, CountsBusyTimeWhileAnyQuantumRuns) {
   EXPECT_EQ(device.filled(), 0);
 }
 
+TEST(InFlight, TimeOfSpareQuantaAloneIsNotNeeded) {
+  InFlight device;
+  const auto at = [](int ms) { return kStart + milliseconds(ms); };
+  device.begin(1, at(0), 0, true);
+  EXPECT_NEAR(device.needed_seconds(at(10)), 0, 1e-12) << "also while it is in flight";
+  device.begin(1, at(10));
+  device.end(at(30));
+  device.end(at(60), 0, true);
+  EXPECT_NEAR(device.needed_seconds(at(100)), 0.020, 1e-12);
+  EXPECT_NEAR(device.busy_seconds(at(100)), 0.060, 1e-12);
+}
+
 TEST(InFlight, ChargesAddUpToTheBusyTime) {
   InFlight device;
   const auto at = [](int ms) { return kStart + milliseconds(ms); };

@@ -174,7 +174,7 @@ std::chrono::nanoseconds Runner::next_change() const {
 
 double Runner::busy_seconds() const {
   const std::lock_guard lock(mutex_);
-  return in_flight_.busy_seconds(clock_.now());
+  return in_flight_.needed_seconds(clock_.now());
 }
 
 RunnerTimes Runner::times() const {
@@ -345,9 +345,10 @@ void Runner::begin(std::unique_ptr<WorkItem> item) {
                                        : item->precedence);
   }
   if (item->still) still_under_way_ = true;
+  item->spare = item->entry && item->entry->client->with_spare_time();
   {
     const std::lock_guard lock(mutex_);
-    in_flight_.begin(item->fill, clock_.now(), item->precedence);
+    in_flight_.begin(item->fill, clock_.now(), item->precedence, item->spare);
     if (item->entry && item->samples > 0) {
       ++spent_.quanta;
       spent_.switches += last_ != item->entry->handle;
@@ -369,7 +370,7 @@ void Runner::ended(std::unique_ptr<WorkItem> item) {
   rendered(*item);
   // Notifies under the lock, because the runner may be destroyed once its last item has ended.
   const std::lock_guard lock(mutex_);
-  in_flight_.end(clock_.now(), item->precedence);
+  in_flight_.end(clock_.now(), item->precedence, item->spare);
   item->ended = true;
   ended_.push_back(std::move(item));
   ++wakes_;

@@ -99,8 +99,8 @@ class Runner {
   /// Idempotent.
   void stop();
 
-  /// Returns the seconds since the start during which at least one quantum was in flight. The
-  /// heartbeat reports the load from it.
+  /// Returns the seconds since the start during which at least one quantum was in flight, apart
+  /// from those that used spare time. The heartbeat reports the load from it.
   double busy_seconds() const;
   RunnerTimes times() const;
   /// Returns the sum of the errors of all visible pictures, each at most 1, as a measure of the

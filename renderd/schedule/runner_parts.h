@@ -51,6 +51,7 @@ struct Runner::WorkItem {
   std::optional<EmissionInput> question;  // for that picture
   std::shared_ptr<PendingStill> still;    // set instead of `entry`
   double fill = 1;
+  bool spare = false;  // RenderClient::with_spare_time
   /// On a device that does not queue, this item pauses items of lower precedence. Guarded by the
   /// runner's lock once the item is in flight, like the next two.
   unsigned precedence = 0;

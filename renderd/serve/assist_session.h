@@ -40,10 +40,9 @@ class AssistHost {
   /// Ends all sessions and refuses new ones.
   void end_all();
   std::size_t used() const;
-  /// Returns the device time spent on other workers' pictures since the start.
+  /// Returns the device time spent on other workers' pictures since the start, apart from spare
+  /// time, which does not count as load either (Runner::busy_seconds).
   double lent_seconds() const { return lent_seconds_; }
-  /// Returns the part of lent_seconds() that nothing else needed.
-  double spare_seconds() const { return spare_seconds_; }
   /// Ends the sessions with spare time, so that their volumes can be dropped. Returns whether there
   /// were any.
   bool end_spare();
@@ -60,7 +59,7 @@ class AssistHost {
   mutable std::mutex mutex_;
   std::set<std::shared_ptr<Session>> sessions_;
   bool refusing_ = false;
-  std::atomic<double> lent_seconds_{0}, spare_seconds_{0};
+  std::atomic<double> lent_seconds_{0};
 };
 
 class AssistHost::Session final : public RenderClient,
@@ -83,8 +82,7 @@ class AssistHost::Session final : public RenderClient,
   void began(std::uint64_t, const ViewRequest&) override {}
   void refused(const ViewRequest&, const Error&) override {}
   void rendered(const Batch& batch) override {
-    host_.lent_seconds_ += batch.seconds;
-    if (spare_) host_.spare_seconds_ += batch.seconds;
+    if (!spare_) host_.lent_seconds_ += batch.seconds;
     send_part();
   }
   void picture(RenderedPicture) override { send_part(); }

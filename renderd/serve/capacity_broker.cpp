@@ -77,7 +77,6 @@ CapacityBroker::Use CapacityBroker::use() {
   };
   const double busy = std::min(1.0, part(options_.busy_seconds(), busy_before_));
   use.lent = std::min(busy, part(options_.lent_seconds(), lent_before_));
-  use.spare = std::min(use.lent, part(options_.spare_seconds(), spare_before_));
   if (helpers_ != nullptr) use.helped = part(helpers_->helped_seconds(), helped_before_);
   const double waiting = waited_ / static_cast<double>(std::max<std::size_t>(1, ticks_));
   use.waits = waiting > 0;
@@ -103,8 +102,7 @@ std::vector<directory::PeerLoad> CapacityBroker::observed_peers(const Use& use) 
   if (!wants && !lends && !lent_reported_ && lending_.helpers.empty()) return {};
   directory::PeerQuery query;
   query.asked = use.asked;
-  // Peers that need help may have the spare time too, so it does not count as lent.
-  if (lends) query.lent = use.lent - use.spare;
+  if (lends) query.lent = use.lent;
   query.fleet = fleet_of(options_.owner);
   query.random = wants ? kAtRandom : 0;
   for (const Helper& helper : lending_.helpers) query.helpers.push_back(helper.id);

@@ -37,11 +37,10 @@ class CapacityBroker {
     std::string owner;    ///< only workers of the same fleet help each other
     directory::LendingRules rules;
     std::chrono::milliseconds period{1000};
-    std::function<double()> busy_seconds;   ///< busy time of the device since the start
-    std::function<double()> lent_seconds;   ///< part of the busy time spent on other workers'
-                                            ///< pictures
-    std::function<double()> spare_seconds;  ///< part of that which nothing else needed
-    std::function<double()> waiting;        ///< sessions per device that have not converged
+    std::function<double()> busy_seconds;  ///< busy time of the device since the start
+    std::function<double()> lent_seconds;  ///< part of the busy time spent on other workers'
+                                           ///< pictures
+    std::function<double()> waiting;       ///< sessions per device that have not converged
     std::function<std::vector<std::string>()> volumes;  ///< loaded volumes
     std::function<void(std::size_t borrowed)> updated;  ///< called after each update
   };
@@ -58,7 +57,7 @@ class CapacityBroker {
   using Clock = std::chrono::steady_clock;
   /// Shares of device time since the last update.
   struct Use {
-    double seconds = 0, asked = 0, lent = 0, spare = 0, helped = 0;
+    double seconds = 0, asked = 0, lent = 0, helped = 0;
     bool waits = false;  ///< whether own sessions wait, and not only thumbnails
   };
 
@@ -80,7 +79,7 @@ class CapacityBroker {
 
   // Used only by the thread.
   Clock::time_point since_;
-  double busy_before_ = 0, lent_before_ = 0, spare_before_ = 0, helped_before_ = 0;
+  double busy_before_ = 0, lent_before_ = 0, helped_before_ = 0;
   double waited_ = 0;  ///< sum of waiting sessions since the last update
   std::size_t ticks_ = 0;
   bool lent_reported_ = false;

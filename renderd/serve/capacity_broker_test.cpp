@@ -39,7 +39,6 @@ struct CapacityBrokerTest : testing::Test {
     // The whole device, in the test's own time.
     options.busy_seconds = [this] { return busy ? seconds() : 0.0; };
     options.lent_seconds = [this] { return lent ? seconds() : 0.0; };
-    options.spare_seconds = [this] { return spare ? seconds() : 0.0; };
     options.waiting = [this] { return waiting.load(); };
     options.volumes = [] { return std::vector<std::string>{"seen-here"}; };
     options.updated = [this](std::size_t) { ++updates; };
@@ -67,7 +66,7 @@ struct CapacityBrokerTest : testing::Test {
 
   TestRedis redis;
   const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
-  std::atomic<bool> busy{true}, lent{false}, spare{false};
+  std::atomic<bool> busy{true}, lent{false};
   std::atomic<std::size_t> waiting{0};
   std::atomic<int> updates{0};
   std::size_t spare_helpers = 0;
@@ -163,15 +162,6 @@ TEST_F(CapacityBrokerTest, BorrowsNothingForWorkThatNoSessionWaitsFor) {
     wait_for_two_updates();
     ASSERT_TRUE(borrowed().empty());
   }
-}
-
-TEST_F(CapacityBrokerTest, SpareTimeDoesNotCountAsLent) {
-  peer("us", {"incarnation", "now"});
-  lent = spare = true;
-  const auto broker = start(nullptr);
-  const auto beat = [&] { peer("us", {"incarnation", "now"}); };
-  EXPECT_TRUE(comes([&] { return redis.field("diaphane:worker:us", "lent") == "0.000"; }, beat));
-  EXPECT_EQ(redis.field("diaphane:worker:us", "asked"), "0.000");
 }
 
 TEST_F(CapacityBrokerTest, ReportsAndClearsLentCapacity) {

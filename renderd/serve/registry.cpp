@@ -111,13 +111,9 @@ Registry::Loads Registry::loads(const std::vector<SessionHost::Live>& live) {
   const double lent_until_now = options_.lent_seconds ? options_.lent_seconds() : 0;
   const double lent = std::clamp(lent_until_now - lent_before_, 0.0, std::max(0.0, busy));
   lent_before_ = lent_until_now;
-  const double spare_until_now = options_.spare_seconds ? options_.spare_seconds() : 0;
-  const double spare = std::clamp(spare_until_now - spare_before_, 0.0, lent);
-  spare_before_ = spare_until_now;
   std::vector<ExpectedLoad::Usage> usage;
   for (const SessionHost::Live& one : live) usage.push_back({one.id, one.device_seconds});
-  // A device that only gives spare time is idle when sessions are placed and the fleet is scaled.
-  return {.busy = seconds > 0 ? std::clamp((busy - spare) / seconds, 0.0, 1.0) : 0,
+  return {.busy = seconds > 0 ? std::clamp(busy / seconds, 0.0, 1.0) : 0,
           .expected = expected_.after(seconds, busy - lent, usage, host_.slots())};
 }
 

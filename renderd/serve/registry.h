@@ -42,9 +42,6 @@ class Registry {
     /// The part of `busy_seconds` spent on other workers' pictures. It does not count for
     /// placement, because it becomes free when a session is placed here. May be empty.
     std::function<double()> lent_seconds;
-    /// The part of `lent_seconds` that nothing else needed. It does not count as load at all. May
-    /// be empty.
-    std::function<double()> spare_seconds;
   };
 
   /// Starts to send heartbeats. `redis` must outlive this object.
@@ -88,7 +85,7 @@ class Registry {
   bool drain_reported_ = false;
 
   // Used only by the thread.
-  double busy_before_ = 0, lent_before_ = 0, spare_before_ = 0;
+  double busy_before_ = 0, lent_before_ = 0;
   ExpectedLoad expected_;
   std::chrono::steady_clock::time_point load_since_;
   std::optional<std::chrono::steady_clock::time_point> refused_since_;

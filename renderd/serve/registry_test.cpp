@@ -112,23 +112,6 @@ TEST_F(RegistryTest, ExpectedLoadExcludesLentCapacity) {
   EXPECT_EQ(redis.field("diaphane:worker:w1", "expected"), "0.0000");
 }
 
-TEST_F(RegistryTest, LoadExcludesSpareTime) {
-  const auto begin = std::chrono::steady_clock::now();
-  const auto all = [begin] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
-  Registry::Options registry_options{"w1", "first", "127.0.0.1:8085", "fake", "a test"};
-  registry_options.busy_seconds = all;
-  registry_options.volumes = [] { return std::vector<std::string>{}; };
-  registry_options.lent_seconds = registry_options.spare_seconds = [all] { return 2 * all(); };
-  const Registry registry(std::move(registry_options), redis.client(), worker->host(), metrics);
-  ASSERT_TRUE(eventually([&] { return redis.number({"EXISTS", "diaphane:worker:w1"}) == 1; }));
-  for (int i = 0; i < 5; ++i) {
-    std::this_thread::sleep_for(500ms);  // two more heartbeats
-    EXPECT_EQ(redis.field("diaphane:worker:w1", "load"), "0.000");
-  }
-}
-
 TEST_F(RegistryTest, KeepsItsRegistrationAlive) {
   auto registry = announce();
   ASSERT_TRUE(eventually([&] { return registry->connected(); }));
