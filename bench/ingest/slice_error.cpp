@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "common/config.h"
-#include "ingest/build/read_folder.h"
-#include "ingest/build/read_image.h"
+#include "ingest/build/read_scan.h"
 #include "volume/slice_interpolation.h"
 
 namespace {
@@ -30,14 +29,6 @@ constexpr const char* kUsage =
     "\"linear\", \"cubic\" and \"along_motion\" are root mean square errors in the scan's "
     "units.\n\n"
     "Exit codes: 0 success, 64 bad command line, 66 cannot read a scan.\n";
-
-Result<volume::Volume> read(const std::string& scan) {
-  if (ingest::is_image_name(scan)) return ingest::read_image(scan);
-  if (std::filesystem::exists(std::filesystem::path(scan) / "volume.json")) {
-    return volume::read(scan, /*verify_hash=*/false);
-  }
-  return ingest::read_folder(scan);
-}
 
 volume::Volume every_third(const volume::Volume& all) {
   volume::Volume kept;
@@ -115,7 +106,7 @@ int main(int argc, char** argv) {
     if (scan.starts_with("--")) {
       return complain(kExitUsage, "unknown option " + scan + " (see --help)");
     }
-    const auto volume = read(scan);
+    const auto volume = ingest::read_scan(scan);
     if (!volume) return complain(kExitNoInput, scan + ": " + volume.error().message);
     nlohmann::json line = compare(*volume);
     line["name"] = std::filesystem::path(scan).filename();

@@ -8,8 +8,7 @@
 #include "common/config.h"
 #include "common/try.h"
 #include "ingest/body/label_body.h"
-#include "ingest/build/read_folder.h"
-#include "ingest/build/read_image.h"
+#include "ingest/build/read_scan.h"
 #include "ingest/export/export_scan.h"
 #include "ingest/labels/read_labels.h"
 #include "volume/labels.h"
@@ -120,17 +119,6 @@ std::string check(const Options& options) {
   return {};
 }
 
-Result<volume::Volume> read_scan(const std::string& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) return fail(ErrorCode::kNotFound, "no such file or folder");
-  if (!fs::is_directory(path, error)) {
-    if (ingest::is_image_name(path)) return ingest::read_image(path);
-    return fail(ErrorCode::kUnsupported, "the file is neither NIfTI, NRRD nor MetaImage");
-  }
-  if (fs::exists(fs::path(path) / "volume.json", error)) return volume::read(path, false);
-  return ingest::read_folder(path);
-}
-
 /// The brain that ingest finds has no name in the label set, because the page translates it.
 std::string name_of(const volume::LabelEntry& entry) {
   return entry.number == volume::kBrainNumber && entry.name.empty() ? "brain" : entry.name;
@@ -202,7 +190,7 @@ int run(const Options& options) {
   if (fs::exists(options.output, error) && !options.force) {
     return complain(kExitNoOutput, options.output + ": already exists (--force replaces it)");
   }
-  auto scan = read_scan(options.input);
+  auto scan = ingest::read_scan(options.input);
   if (!scan) return complain(kExitNoInput, options.input + ": " + scan.error().message);
   const auto order = prepare(options, *scan);
   if (!order) return complain(kExitData, order.error().message);
