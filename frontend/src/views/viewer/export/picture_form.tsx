@@ -12,6 +12,7 @@ import { decorated, decorationOf, marksInPicture } from "../../marks/in_pictures
 import { saveFile } from "./save_file";
 import type { ExportOrder } from "./shot";
 import { isHeldByPage, large, largest, poster, typedSize } from "./shot_size";
+import { TakeForm } from "./take_form";
 
 /** The estimated relative error at which a picture is finished; 0 renders until the renderer itself stops. */
 const errors = { quick: 0.05, good: 0.02, best: 0 } as const;
@@ -34,14 +35,7 @@ export function PictureForm(props: PictureFormProps) {
   const form = usePictureForm(props);
   const waits = props.busy && form.size !== "screen";
   return (
-    <form
-      class="take-form"
-      noValidate
-      onSubmit={(event) => {
-        event.preventDefault();
-        form.submit();
-      }}
-    >
+    <TakeForm onSubmit={form.submit}>
       {props.rendered ? <SizeChoice form={form} /> : null}
       {form.size === "screen" ? (
         <p class="muted">{text.pictureNow}</p>
@@ -65,7 +59,7 @@ export function PictureForm(props: PictureFormProps) {
         </button>
       </p>
       <p role="status">{form.size === "screen" && form.saved !== null ? text.ofPicture[form.saved] : ""}</p>
-    </form>
+    </TakeForm>
   );
 }
 

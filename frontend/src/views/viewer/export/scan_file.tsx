@@ -11,6 +11,7 @@ import { bytesText, dateText } from "../../format";
 import { nameOf } from "../../labels/labels_window";
 import { Notice } from "../../shell";
 import { useScanExport } from "./use_scan_export";
+import { TakeForm } from "./take_form";
 
 export interface ScanFileProps {
   readonly session: ViewerSession;
@@ -105,14 +106,7 @@ function OrderForm({ session, volume, busy, request }: OrderFormProps) {
     else setFault(text.wrongAbove(volume.minimum, volume.maximum));
   };
   return (
-    <form
-      class="take-form"
-      noValidate
-      onSubmit={(event) => {
-        event.preventDefault();
-        submit();
-      }}
-    >
+    <TakeForm onSubmit={submit}>
       <Choice
         label={text.format}
         value={entries.format}
@@ -128,7 +122,7 @@ function OrderForm({ session, volume, busy, request }: OrderFormProps) {
           {text.create}
         </button>
       </p>
-    </form>
+    </TakeForm>
   );
 }
 

@@ -16,6 +16,7 @@ import {
 } from "./video_size";
 import { useVideoForm, type VideoEntries, type VideoFormProps } from "./use_video_form";
 import { ViewList } from "./view_list";
+import { TakeForm } from "./take_form";
 
 /** The form for a turntable video or a tour. */
 export function VideoForm(props: VideoFormProps) {
@@ -28,15 +29,7 @@ export function VideoForm(props: VideoFormProps) {
     if (faults.seconds) form.current?.querySelector<HTMLElement>("[aria-invalid]")?.focus();
   }, [faults.seconds]);
   return (
-    <form
-      ref={form}
-      class="take-form"
-      noValidate
-      onSubmit={(event) => {
-        event.preventDefault();
-        void submit();
-      }}
-    >
+    <TakeForm form={form} onSubmit={() => void submit()}>
       <p class="muted">{text[`${kind}Lead`]}</p>
       {kind === "tour" && session.dataSetId !== null ? (
         <ViewList
@@ -70,7 +63,7 @@ export function VideoForm(props: VideoFormProps) {
           {busy ? text.ofVideo.rendering : text.saveVideo}
         </button>
       </p>
-    </form>
+    </TakeForm>
   );
 }
 
