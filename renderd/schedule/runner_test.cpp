@@ -92,7 +92,7 @@ TEST_F(RunnerTest, SpareTimeIsUsedOnlyWhileNoOtherImageGains) {
   ASSERT_TRUE(eventually([&] { return spare->samples > 10; }));
   const double load = endless.busy_seconds(), busy = endless.times().busy;
   ASSERT_TRUE(eventually([&] { return endless.times().busy > busy + 0.05; }));
-  EXPECT_EQ(endless.busy_seconds(), load) << "spare time is no load";
+  EXPECT_EQ(endless.busy_seconds(), load) << "spare time does not count as load";
   own->show(true);
   endless.wake();
   ASSERT_TRUE(own_continues());  // quanta in flight end meanwhile

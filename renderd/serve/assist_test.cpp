@@ -253,7 +253,7 @@ TEST_F(Assist, SpareTimeGivesWayToOthersAndToMemory) {
   AssistHost& assists = helper.worker->assists();
   ASSERT_TRUE(until([&] { return report().parts >= 2; }));
   EXPECT_GT(helper.worker->homes().times().busy, 0);
-  EXPECT_EQ(helper.worker->homes().busy_seconds(), 0) << "spare time is no load";
+  EXPECT_EQ(helper.worker->homes().busy_seconds(), 0) << "spare time does not count as load";
   EXPECT_EQ(assists.lent_seconds(), 0);
   EXPECT_EQ(assists.used(), 1u);
   EXPECT_TRUE(assists.end_spare());

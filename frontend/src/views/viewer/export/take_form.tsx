@@ -10,7 +10,7 @@ export interface TakeFormProps {
 export function TakeForm({ form, onSubmit, children }: TakeFormProps) {
   return (
     <form
-      ref={form}
+      ref={form ?? null}
       class="take-form"
       noValidate
       onSubmit={(event) => {
