@@ -153,7 +153,7 @@ def shows_region(reader: Reader, plane: str, one: tuple[float, float], other: tu
     lines = reader.pane(plane).locator(".slice-measure tspan")
     expect(lines.nth(0)).to_have_text(f"Mean {values.mean():.1f} ± {values.std():.1f} HU".replace("-", "−"))
     expect(lines.nth(1)).to_have_text(f"{values.min()} to {values.max()} HU".replace("-", "−"))
-    expect(lines.nth(2)).to_have_text(re.compile(rf"^{area:.{1 if area < 100 else 0}f} mm², {len(values):,} pixels$"))
+    expect(lines.nth(2)).to_have_text(re.compile(rf"^{area:,.{1 if area < 100 else 0}f} mm², {len(values):,} pixels$"))
 
 
 def ellipse_by_mouse(reader: Reader, pictures: Path) -> None:

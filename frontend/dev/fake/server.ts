@@ -128,6 +128,10 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         problem(404, "not-found");
         return;
       }
+      if (more === "export") {
+        problem(404, "not-found"); // nothing was exported
+        return;
+      }
       if (more !== "thumbnails") {
         say(200, set);
         return;
