@@ -264,7 +264,9 @@ Outcome<void> Studies::adopt_comfort(const Principal& administrator, const std::
   const auto results = run_analysis(*study, "en");
   DIAPHANE_TRY(results);
   const json read = json::parse(*results, nullptr, false);
-  const json comfort = read.value(json::json_pointer("/adoptable/comfort"), json());
+  const json comfort = read.is_object()
+                           ? read.value(json::json_pointer("/adoptable/comfort"), json())
+                           : json();
   const auto is_colour = [&](const char* name) {
     return comfort.is_object() && comfort.contains(name) && comfort[name].is_array() &&
            comfort[name].size() == 3 &&

@@ -36,7 +36,8 @@ struct Step {
 
 std::map<std::string, Step> steps_of(const std::string& definition) {
   std::map<std::string, Step> steps;
-  for (const json& step : json::parse(definition)["steps"]) {
+  const json parsed = json::parse(definition);
+  for (const json& step : parsed["steps"]) {
     steps.emplace(step["id"].get<std::string>(),
                   Step{step["kind"].get<std::string>(), steps.size()});
   }

@@ -16,6 +16,7 @@ from cut_helpers import KEEP, store
 from harness import TestStack
 from panoramas import hdr
 from seeds import stored, write_person
+from study_helpers import create, definition, picture, step
 
 ROLES = ("nobody", "unverified", "other", "view", "edit", "owner", "administrator")
 
@@ -42,6 +43,7 @@ class World:
         self.people: dict[str, Person] = {}
         self.data_set = ""
         self.saved = ""
+        self.study = ""
         self.stored_hash = ""
         self.taken_down = False
         #: A word in the scan's texts, for tests that search for it.
@@ -189,6 +191,23 @@ class World:
         assert answer.status_code == 201, answer.text
         return answer.json()["id"]
 
+    def make_researcher(self) -> None:
+        self.stack.psql("UPDATE users SET is_researcher = true WHERE id = %s", self.owner.known_id)
+
+    def study_id(self) -> str:
+        """Returns a study of the owner with the picture of picture_id()."""
+        self.make_researcher()
+        if not self.study:
+            pictures = [{"id": self.picture_id(), "comfort": -1}, {"id": "more", "comfort": 1}]
+            self.study = create(self.owner, definition(step("order", pictures=pictures)))
+            for one in pictures:
+                put = self.owner.http.put(f"/v1/studies/{self.study}/pictures/{one['id']}", content=picture())
+                assert put.status_code == 204, put.text
+        return self.study
+
+    def picture_id(self) -> str:
+        return "less"
+
     def recording_id(self) -> str:
         answer = self.who_made.http.post("/v1/recordings", json=RECORDING)
         assert answer.status_code == 201, answer.text
@@ -315,6 +334,17 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "reportPreset": lambda world, who: {"reason": "offensive"},
     "takeDownPreset": lambda world, who: {"reason": "Its name offends."},
     "takeDownDataSet": lambda world, who: {"reason": "A name is on it."},
+    **{name: lambda world, who: {"definition": definition()} for name in ("createStudy", "replaceStudy")},
+    "setStudyState": lambda world, who: {"state": "open"},
+    "previewStudy": lambda world, who: {"key": uuid.uuid4().hex * 2},
+    "adoptStudy": lambda world, who: {"comfort": True},
+    "getStudyInvitation": lambda world, who: {"token": "0" * 64},
+    "joinStudy": lambda world, who: {"token": "0" * 64, "key": "0" * 64, "language": "en", "record": False},
+    "answerStudy": lambda world, who: {"key": "0" * 64, "step": "a", "value": {}, "duration_ms": 0, "sequence": 0},
+    "getPictureOfStudy": lambda world, who: {"key": "0" * 64, "picture": "a"},
+    "createStudyVisit": lambda world, who: {"key": "0" * 64, "step": "a"},
+    "recordStudy": lambda world, who: {"key": "0" * 64, "step": "a", "recording": RECORDING},
+    **{name: lambda world, who: {"key": "0" * 64} for name in ("finishStudy", "withdrawFromStudy")},
     "join": lambda world, who: {"token": world.joining(), "key": "0" * 64},
 }
 
@@ -364,6 +394,8 @@ before: dict[str, Callable[[World, Person], None]] = {
     "reportPreset": lambda world, who: world.publish(),
     "takeDownPreset": lambda world, who: world.publish(),
     "restorePreset": lambda world, who: world.publish(),
+    "listStudies": lambda world, who: world.make_researcher(),
+    "createStudy": lambda world, who: world.make_researcher(),
 }
 
 
@@ -431,7 +463,9 @@ def question(world: World, role: str, path: str, method: str, operation: dict[st
     if name == "appendToUpload":
         part = {"Upload-Offset": "0", "Content-Type": "application/offset+octet-stream"}
         return who.http.build_request(method, path, content=b"0123456789", headers={**headers, **part})
-    if name in ("changePreset", "deletePreset"):
+    if name == "putStudyPicture":
+        return who.http.build_request(method, path, content=picture(), headers={"Content-Type": "image/png"})
+    if name in ("changePreset", "deletePreset", "replaceStudy"):
         headers["If-Match"] = '"1"'
     if name == "createEnvironment":
         return who.http.build_request(method, path, params={"name": "Sky"}, content=hdr(4, 2, lambda x, y: (1, 1, 1)))

@@ -16,6 +16,7 @@ from cut_helpers import KEEP, store
 from access_matrix_fixture import put_export_file, put_picture
 from panoramas import hdr
 from seeds import PRIVACY_NOTICE
+from study_helpers import study_ways
 
 OPERATIONS = list(CONTRACT.operations())
 WITH_BODY = [o for o in OPERATIONS if "application/json" in str(CONTRACT.resolve(o[2].get("requestBody", {})))]
@@ -305,6 +306,7 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     token = one.http.post(f"/v1/sessions/{session}/links").json()["token"]
     client(api).post("/v1/join", json={"token": token, "key": "0" * 64})
     one.http.delete(f"/v1/sessions/{session}/links")
+    study_ways(api, one, made)
     environment = one.http.post("/v1/environments", params={"name": "Sky"}, content=hdr(4, 2, lambda x, y: (1, 1, 1))).json()["id"]
     one.http.get("/v1/environments")
     one.http.get(f"/v1/environments/{environment}")
