@@ -72,13 +72,13 @@ void read_limits(ConfigReader& in, Settings& s) {
 }
 
 void read_analysis(ConfigReader& in, Settings& s) {
-  s.study_analysis_url =
-      in.text("study-analysis-url",
-              "origin of the service that analyses studies, such as http://127.0.0.1:8090; empty if "
-              "it is not installed",
-              "");
-  const bool origin = s.study_analysis_url.starts_with("http://") ||
-                      s.study_analysis_url.starts_with("https://");
+  s.study_analysis_url = in.text(
+      "study-analysis-url",
+      "origin of the service that analyses studies, such as http://127.0.0.1:8090; empty if "
+      "it is not installed",
+      "");
+  const bool origin =
+      s.study_analysis_url.starts_with("http://") || s.study_analysis_url.starts_with("https://");
   if (!s.study_analysis_url.empty() && (!origin || s.study_analysis_url.ends_with('/'))) {
     in.mistake("--study-analysis-url: must be an origin without a path, such as http://host:port");
   }

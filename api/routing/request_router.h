@@ -19,7 +19,7 @@ namespace diaphane::api {
 /// The authentication that a route requires. Where the cookie counts, so does an API token whose
 /// scope permits the operation (token_scopes.h).
 enum class Access {
-  kAnyone,            ///< ignores the cookie
+  kAnyone,  ///< ignores the cookie
   /// Ignores the cookie. The body_check requires the key of a participant in a study, so a body may
   /// be larger than kAnyoneBodyBytes.
   kParticipant,

@@ -21,9 +21,7 @@ std::size_t take(char* bytes, std::size_t, std::size_t size, void* to) {
   return size;
 }
 
-Result<std::string> unavailable(const char* why) {
-  return fail(ErrorCode::kUnavailable, why);
-}
+Result<std::string> unavailable(const char* why) { return fail(ErrorCode::kUnavailable, why); }
 
 }  // namespace
 

@@ -16,7 +16,8 @@ constexpr std::size_t kMostWords = 2000;  ///< characters
 /// Coordinates beyond 100 m are no view of a body.
 constexpr double kFarthestMm = 100'000;
 constexpr std::int64_t kLongestTrialMs = 3'600'000;
-constexpr double kShortestDirection = 1e-6;  ///< mm; a shorter one has no direction in single precision
+constexpr double kShortestDirection =
+    1e-6;  ///< mm; a shorter one has no direction in single precision
 
 /// Returns what is wrong with a value, or an empty string.
 using Check = std::function<std::string(const json& step, const json& value)>;
@@ -178,9 +179,9 @@ const json* find_step(const json& definition, const std::string& id) {
 
 Outcome<std::string> check_answer(const json& step, const json& value) {
   static const std::map<std::string, Check> kChecks{
-      {"text", check_text},           {"rating", check_rating}, {"colours", check_colours},
-      {"order", check_order},         {"viewpoint", check_viewpoint},
-      {"choice", check_choice},       {"words", check_words},   {"latency", check_latency}};
+      {"text", check_text},   {"rating", check_rating},       {"colours", check_colours},
+      {"order", check_order}, {"viewpoint", check_viewpoint}, {"choice", check_choice},
+      {"words", check_words}, {"latency", check_latency}};
   const auto check = kChecks.find(step["kind"].get<std::string>());
   if (check == kChecks.end()) return refuse_field("step", "has no answer");
   if (const std::string mistake = check->second(step, value); !mistake.empty()) {

@@ -70,10 +70,10 @@ Outcome<Response> join_study(Participations& participations, const Request& requ
   const auto joined = participations.join(token, key, language, record, who.client);
   DIAPHANE_TRY(joined);
   return json_response(
-      201, {{"seed", joined->participation.participant.seed},
-            {"definition",
-             definition_for_participants(joined->participation.study.content.definition)},
-            {"answered", joined->answered}});
+      201,
+      {{"seed", joined->participation.participant.seed},
+       {"definition", definition_for_participants(joined->participation.study.content.definition)},
+       {"answered", joined->answered}});
 }
 
 Outcome<Response> store_answer(Participations& participations, const Request& request) {
@@ -82,6 +82,7 @@ Outcome<Response> store_answer(Participations& participations, const Request& re
   StudyAnswer given;
   given.step = in.text("step", 1, 40);
   const json value = in.any("value");
+  if (!value.is_object()) in.wrong("value", "must be an object");
   given.duration_ms = in.integer("duration_ms", 0, kLongestStepMs);
   given.sequence = in.integer("sequence", 0, kMostSequence);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
@@ -113,12 +114,17 @@ Outcome<Response> store_recording(Participations& participations, const Request&
   Fields in(request, kMostRecordingValues);
   const std::string key = in.text("key", 64, 64);
   const std::string step = in.text("step", 1, 40);
-  Request part = request;
-  part.body = in.any("recording").dump();
+  const json& given = in.any("recording");
+  if (!given.is_object()) in.wrong("recording", "must be an object");
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  Request part = request;
+  part.body = given.dump();
   Fields inner(part, kMostRecordingValues);
   const Recording recording = read_recording(inner);
-  if (auto wrong = inner.finish()) return tl::unexpected(*wrong);
+  if (auto wrong = inner.finish()) {
+    for (FieldProblem& one : wrong->fields) one.field = "recording." + one.field;
+    return tl::unexpected(*wrong);
+  }
   return answer(participations.record(key, step, recording.body));
 }
 
@@ -182,7 +188,13 @@ std::vector<Route> participant_routes(Participations& participations) {
       {"POST", all + "answers", "answerStudy", kWho, answer_one, {}},
       {"POST", all + "pictures", "getPictureOfStudy", kWho, picture, {}},
       {"POST", all + "visits", "createStudyVisit", kWho, visit, {}},
-      {"POST", all + "recordings", "recordStudy", Access::kParticipant, record, {}, 1024 * 1024,
+      {"POST",
+       all + "recordings",
+       "recordStudy",
+       Access::kParticipant,
+       record,
+       {},
+       1024 * 1024,
        check},
       {"POST", all + "finish", "finishStudy", kWho, finish, {}},
       {"POST", all + "withdrawal", "withdrawFromStudy", kWho, withdraw, {}},

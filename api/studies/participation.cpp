@@ -194,9 +194,9 @@ Outcome<Participations::Opened> Participations::visit(const std::string& key,
   // A participant has one session, because it takes one of the researcher's places.
   if (!known && !participant.session_id.empty()) (void)parts_.placement.end(participant.session_id);
   const auto now = parts_.clock.wall();
-  const Time expires = participant.preview ? Time(now + options_.session_life)
-                                           : std::min(study.content.ends_at,
-                                                      Time(now + options_.session_life));
+  const Time expires = participant.preview
+                           ? Time(now + options_.session_life)
+                           : std::min(study.content.ends_at, Time(now + options_.session_life));
   // Noted before the placement, so that whoever closes the study ends the session.
   const auto noted = parts_.store.note_session(hash_of(key), session, expires);
   if (!noted && noted.error().code == ErrorCode::kNotFound) return participation_ended();

@@ -49,7 +49,8 @@ class Participations {
   Outcome<Joined> join(const std::string& token, const std::string& key,
                        const std::string& language, bool record, const Client& client);
   /// Joins the researcher's own study, also a draft, for a day and without being counted.
-  Outcome<Joined> preview(const Principal& who, const std::string& study_id, const std::string& key);
+  Outcome<Joined> preview(const Principal& who, const std::string& study_id,
+                          const std::string& key);
 
   // The following return kParticipationEnded for an unknown key, which includes that of a
   // participant who withdrew, and kStudyClosed once answers are no longer accepted.

@@ -63,7 +63,8 @@ Result<std::string> strip_jpeg(std::string_view file) {
     const std::size_t length = big_endian(file.substr(at + 2, 2));
     if (length < 2 || length > file.size() - at - 2) return no_picture();
     std::size_t end = at + 2 + length;
-    const bool dropped = marker == kComment || (marker > kFirstApp && marker <= kLastApp && marker != kAdobe);
+    const bool dropped =
+        marker == kComment || (marker > kFirstApp && marker <= kLastApp && marker != kAdobe);
     // The data of a scan continues to the next marker that is neither stuffing nor a restart.
     while (marker == kScan && end + 1 < file.size()) {
       const unsigned char next = byte(end + 1);

@@ -164,7 +164,8 @@ Outcome<Study> Studies::set_state(const Principal& who, const std::string& id, S
   const auto now = clock_.wall();
   if (state == StudyState::kOpen) {
     if (study->content.ends_at <= now) {
-      return refuse(ProblemKind::kConflict, "The end of this study has passed. Choose a later one.");
+      return refuse(ProblemKind::kConflict,
+                    "The end of this study has passed. Choose a later one.");
     }
     DIAPHANE_TRY(check_scans_and_pictures(who, *study));
   }
@@ -191,9 +192,9 @@ Outcome<void> Studies::put_picture(const Principal& who, const std::string& id,
   }
   auto checked = check_picture_(file);
   if (!checked) return refuse_field("picture", checked.error().message);
-  const auto done = store_.put_picture(
-      who.user_id, id, {picture_id, checked->type, std::move(checked->bytes)},
-      static_cast<int>(kMostStudyPictures));
+  const auto done =
+      store_.put_picture(who.user_id, id, {picture_id, checked->type, std::move(checked->bytes)},
+                         static_cast<int>(kMostStudyPictures));
   if (!done) return study_problem(done.error());
   return {};
 }
@@ -225,7 +226,8 @@ Outcome<std::string> Studies::run_analysis(const Study& study, const std::string
   {
     const std::lock_guard lock(mutex_);
     if (analyses_ >= kMostAnalyses) {
-      return refuse(ProblemKind::kBusy, "Other results are being calculated. Try again in a moment.",
+      return refuse(ProblemKind::kBusy,
+                    "Other results are being calculated. Try again in a moment.",
                     std::chrono::seconds(5));
     }
     ++analyses_;
@@ -264,9 +266,8 @@ Outcome<void> Studies::adopt_comfort(const Principal& administrator, const std::
   const auto results = run_analysis(*study, "en");
   DIAPHANE_TRY(results);
   const json read = json::parse(*results, nullptr, false);
-  const json comfort = read.is_object()
-                           ? read.value(json::json_pointer("/adoptable/comfort"), json())
-                           : json();
+  const json comfort =
+      read.is_object() ? read.value(json::json_pointer("/adoptable/comfort"), json()) : json();
   const auto is_colour = [&](const char* name) {
     return comfort.is_object() && comfort.contains(name) && comfort[name].is_array() &&
            comfort[name].size() == 3 &&

@@ -39,8 +39,8 @@ Outcome<DataSet> find_for_study(DataSets& data_sets, const std::string& owner_id
 /// The studies of researchers. The request router checks the role. Thread-safe.
 class Studies {
  public:
-  static constexpr int kMostStudies = 100;     ///< per researcher
-  static constexpr int kMostAnalyses = 2;      ///< at the same time
+  static constexpr int kMostStudies = 100;  ///< per researcher
+  static constexpr int kMostAnalyses = 2;   ///< at the same time
   static constexpr std::chrono::hours kPreviewLife{24};
 
   struct Page {
@@ -84,8 +84,8 @@ class Studies {
   Outcome<File> make_export(const Principal& who, const std::string& id, const std::string& format);
   Outcome<File> analyse(const Principal& who, const std::string& id, const std::string& language);
 
-  /// Replaces the published comfort by that of a study, for administrators. Returns kConflict if the
-  /// study's analysis claims none.
+  /// Replaces the published comfort by that of a study, for administrators. Returns kConflict if
+  /// the study's analysis claims none.
   Outcome<void> adopt_comfort(const Principal& administrator, const std::string& id);
   Outcome<void> reset_comfort(const Principal& administrator);
   /// Returns JSON, or an empty string if nothing was adopted.

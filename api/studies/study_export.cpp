@@ -73,8 +73,8 @@ std::string quoted(const std::string& text) {
 std::string csv_value(const json& value) {
   if (!value.is_string()) return value.dump();
   const auto& text = value.get_ref<const std::string&>();
-  const bool formula = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) !=
-                                            std::string_view::npos;
+  const bool formula =
+      !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
   return quoted(formula ? "'" + text : text);
 }
 
@@ -93,24 +93,29 @@ void write_fields(std::ostream& out, const std::string& before, const std::strin
 
 constexpr const char* kDictionary =
     "column,type,meaning\r\n"
-    "participant,integer,\"Number of the participant in this study, in the order of joining. Numbers of "
+    "participant,integer,\"Number of the participant in this study, in the order of joining. "
+    "Numbers of "
     "participants who withdrew are missing.\"\r\n"
     "language,en or de,Language that the participant chose\r\n"
     "seed,integer,Seed of the order of the steps and of the random views\r\n"
     "day,date,\"Day on which the participant joined, in UTC\"\r\n"
     "state,active or finished,Whether the participant reached the end\r\n"
     "step,text,ID of the step in definition.json\r\n"
-    "kind,text,\"Kind of the step: text, rating, colours, order, viewpoint, choice, words or latency\"\r\n"
-    "field,path,\"Part of the answer, such as trials.0.rating; numbers count from 0. Empty for a text that was "
+    "kind,text,\"Kind of the step: text, rating, colours, order, viewpoint, choice, words or "
+    "latency\"\r\n"
+    "field,path,\"Part of the answer, such as trials.0.rating; numbers count from 0. Empty for a "
+    "text that was "
     "read and for an empty choice.\"\r\n"
-    "value,number or text,\"The answer. A text that begins like a formula has an apostrophe before it.\"\r\n"
+    "value,number or text,\"The answer. A text that begins like a formula has an apostrophe before "
+    "it.\"\r\n"
     "duration_ms,integer,Time on the step in milliseconds\r\n"
     "rating,integer,Field of rating: the number chosen from low to high\r\n"
     "colours.N.channel,text,Field of colours: the material\r\n"
     "colours.N.from and colours.N.to,#rrggbb,Field of colours: sRGB before and after\r\n"
     "order.N,text,\"Field of order: IDs of the pictures, from least to most comfortable\"\r\n"
     "shown.N,text,Field of order: IDs of the pictures as first shown\r\n"
-    "camera.eye.N and start.eye.N,number,\"Field of viewpoint: position of the camera chosen and at the start, in mm "
+    "camera.eye.N and start.eye.N,number,\"Field of viewpoint: position of the camera chosen and "
+    "at the start, in mm "
     "on the patient's axes; likewise target and up\"\r\n"
     "choice.N,text,Field of choice: IDs of the chosen options\r\n"
     "words,text,Field of words: what the participant wrote\r\n"
@@ -149,10 +154,10 @@ Result<std::string> StudyExports::write_json(const Study& study) {
     DIAPHANE_TRY(answers);
     const auto recordings = store_.recordings(one.id);
     DIAPHANE_TRY(recordings);
-    ordered_json entry{{"number", one.number},       {"language", one.language},
-                       {"seed", one.seed},           {"state", state_of(one)},
-                       {"day", one.day},             {"recorded", one.recorded},
-                       {"answers", json::array()},   {"recordings", json::array()}};
+    ordered_json entry{{"number", one.number},     {"language", one.language},
+                       {"seed", one.seed},         {"state", state_of(one)},
+                       {"day", one.day},           {"recorded", one.recorded},
+                       {"answers", json::array()}, {"recordings", json::array()}};
     for (const StudyAnswer& answer : *answers) {
       entry["answers"].push_back({{"step", answer.step},
                                   {"kind", steps.at(answer.step).kind},
@@ -200,8 +205,8 @@ Result<std::string> StudyExports::write_zip(const Study& study) {
     DIAPHANE_TRY(zip);
     DIAPHANE_TRY((*zip)->add_file("answers.csv", path_of(*table)));
     DIAPHANE_TRY((*zip)->add("data_dictionary.csv", kDictionary));
-    DIAPHANE_TRY((*zip)->add("definition.json",
-                             ordered_json::parse(study.content.definition).dump(2)));
+    DIAPHANE_TRY(
+        (*zip)->add("definition.json", ordered_json::parse(study.content.definition).dump(2)));
     DIAPHANE_TRY((*zip)->finish());
     return {};
   };

@@ -90,8 +90,8 @@ class DefinitionReader {
   template <std::size_t n>
   void check_choice(const std::string& field, const json& value,
                     const std::array<std::string_view, n>& known) {
-    if (value.is_string() && std::ranges::find(known, value.get_ref<const std::string&>()) !=
-                                 known.end()) {
+    if (value.is_string() &&
+        std::ranges::find(known, value.get_ref<const std::string&>()) != known.end()) {
       return;
     }
     wrong(field, "is not one of the known values");
@@ -101,12 +101,12 @@ class DefinitionReader {
     if (!is_record(field, value, {}, {"en", "de"})) return;
     if (value.empty()) return wrong(field, "must have a text in en or de");
     for (const auto& [language, text] : value.items()) {
-      const std::size_t length =
-          !text.is_string() ? 0
-                            : static_cast<std::size_t>(std::ranges::count_if(
-                                  text.get_ref<const std::string&>(), [](char c) {
-                                    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-                                  }));
+      const std::size_t length = !text.is_string()
+                                     ? 0
+                                     : static_cast<std::size_t>(std::ranges::count_if(
+                                           text.get_ref<const std::string&>(), [](char c) {
+                                             return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+                                           }));
       if (length < 1 || length > most) {
         wrong(field + "." + language, "must have 1 to " + std::to_string(most) + " characters");
       }
@@ -116,7 +116,8 @@ class DefinitionReader {
   void read_end(Time now) {
     const json& given = definition_["ends_at"];
     const auto time = given.is_string() ? time_of(given.get<std::string>()) : std::nullopt;
-    if (!time) return wrong("definition.ends_at", "must be a UTC time such as 2026-11-22T10:00:00Z");
+    if (!time)
+      return wrong("definition.ends_at", "must be a UTC time such as 2026-11-22T10:00:00Z");
     if (*time > now + kLongestStudy) {
       return wrong("definition.ends_at", "must be at most one year ahead");
     }
@@ -211,8 +212,8 @@ class DefinitionReader {
     const json& changes = view["may_change"];
     std::set<json> seen;
     if (!changes.is_array() || !std::ranges::all_of(changes, [&](const json& one) {
-          return one.is_string() && std::ranges::find(kChanges, one.get<std::string>()) !=
-                                        kChanges.end() &&
+          return one.is_string() &&
+                 std::ranges::find(kChanges, one.get<std::string>()) != kChanges.end() &&
                  seen.insert(one).second;
         })) {
       wrong(field + ".may_change", "must list camera, colours or lights");
@@ -301,7 +302,8 @@ class DefinitionReader {
   void check_latency(const std::string& field, json& step) {
     const json& delays = step["delays_ms"];
     if (!delays.is_array() || delays.empty() || delays.size() > kMostDelays ||
-        !std::ranges::all_of(delays, [](const json& d) { return is_integer(d, 0, kLongestDelayMs); })) {
+        !std::ranges::all_of(delays,
+                             [](const json& d) { return is_integer(d, 0, kLongestDelayMs); })) {
       wrong(field + ".delays_ms", "must be a list of 1 to 20 delays from 0 to 400 ms");
     }
     if (step["view"].is_object() && step["view"].contains("start") &&

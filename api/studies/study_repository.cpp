@@ -74,14 +74,14 @@ Result<std::vector<Study>> StudyRepository::of(const std::string& owner_id,
                                                Time now) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Study>> {
     std::vector<Study> found;
-    for (const pqxx::row& row : transaction.exec_params(
-             "SELECT" + std::string(kStudyColumns) + R"sql(
+    for (const pqxx::row& row :
+         transaction.exec_params("SELECT" + std::string(kStudyColumns) + R"sql(
                FROM studies s
               WHERE s.owner_id = $2::uuid
                 AND ($5::bool OR (s.created_at, s.id) < (to_timestamp($3::bigint / 1e6), $4::uuid))
               ORDER BY s.created_at DESC, s.id DESC LIMIT $6)sql",
-             to_us(now), owner_id, after ? after->created_us : std::int64_t{0},
-             after ? after->id.c_str() : nullptr, !after.has_value(), limit)) {
+                                 to_us(now), owner_id, after ? after->created_us : std::int64_t{0},
+                                 after ? after->id.c_str() : nullptr, !after.has_value(), limit)) {
       found.push_back(read_study(row));
     }
     return found;
@@ -245,9 +245,10 @@ Result<std::vector<StudyStore::Recorded>> StudyRepository::recordings(
     const std::string& participant_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Recorded>> {
     std::vector<Recorded> found;
-    for (const pqxx::row& row : transaction.exec_params(
-             "SELECT step, body FROM study_recordings WHERE participant_id = $1::uuid ORDER BY step",
-             participant_id)) {
+    for (const pqxx::row& row :
+         transaction.exec_params("SELECT step, body FROM study_recordings WHERE participant_id = "
+                                 "$1::uuid ORDER BY step",
+                                 participant_id)) {
       found.push_back({row["step"].as<std::string>(), row["body"].as<std::string>()});
     }
     return found;
@@ -287,8 +288,11 @@ Result<void> StudyRepository::set_comfort(const std::string& administrator_id,
       transaction.exec_params0("INSERT INTO perception_comfort (comfort) VALUES ($1)", comfort);
     }
     note_in_audit_log(transaction,
-                      {AuditActor::kAdministrator, administrator_id,
-                       comfort.empty() ? "comfort.reset" : "comfort.adopted", "study", study_id,
+                      {AuditActor::kAdministrator,
+                       administrator_id,
+                       comfort.empty() ? "comfort.reset" : "comfort.adopted",
+                       "study",
+                       study_id,
                        {}},
                       now);
     return {};
@@ -307,7 +311,8 @@ Result<StudyStore::SessionIds> StudyRepository::expire(Time now) {
           transaction,
           {AuditActor::kMachine, "", "study.closed", "study", row[0].as<std::string>(), {}}, now);
     }
-    // A preview is deleted after its session, so that an unavailable Redis leaves no session behind.
+    // A preview is deleted after its session, so that an unavailable Redis leaves no session
+    // behind.
     transaction.exec_params0(
         "DELETE FROM study_participants WHERE preview_until <= to_timestamp($1::bigint / 1e6) AND "
         "session_id IS NULL",

@@ -68,11 +68,12 @@ Outcome<Response> create(Studies& studies, const Clock& clock, const Request& re
 
 Outcome<Response> replace(Studies& studies, const Clock& clock, const Request& request,
                           const Principal& who) {
-  const auto version = version_in_if_match(request);
-  DIAPHANE_TRY(version);
   Fields in(request, kMostStudyValues);
   const StudyContent content = read_definition(in, clock.wall());
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  DIAPHANE_TRY(studies.find(who, request.parameter("study_id")));
+  const auto version = version_in_if_match(request);
+  DIAPHANE_TRY(version);
   return answer_study(studies.replace(who, request.parameter("study_id"), *version, content));
 }
 
@@ -80,8 +81,7 @@ Outcome<Response> set_state(Studies& studies, const Request& request, const Prin
   Fields in(request);
   const std::string state = in.choice("state", kStates);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-  return answer_study(
-      studies.set_state(who, request.parameter("study_id"), study_state_of(state)));
+  return answer_study(studies.set_state(who, request.parameter("study_id"), study_state_of(state)));
 }
 
 Outcome<Response> preview(Participations& participations, const Request& request,
@@ -92,10 +92,10 @@ Outcome<Response> preview(Participations& participations, const Request& request
   const auto joined = participations.preview(who, request.parameter("study_id"), key);
   DIAPHANE_TRY(joined);
   return json_response(
-      201, {{"seed", joined->participation.participant.seed},
-            {"definition",
-             definition_for_participants(joined->participation.study.content.definition)},
-            {"answered", joined->answered}});
+      201,
+      {{"seed", joined->participation.participant.seed},
+       {"definition", definition_for_participants(joined->participation.study.content.definition)},
+       {"answered", joined->answered}});
 }
 
 /// Sends a file of the cache directory. The edge sends it, because a response is at most 1 MB.

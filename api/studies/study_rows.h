@@ -6,8 +6,8 @@
 /// Reading the rows of studies and participants.
 namespace diaphane::api {
 
-/// Selects studies `s` at the time $1, as `read_study` expects them. An open study that has ended is
-/// closed, even before the background task has closed it.
+/// Selects studies `s` at the time $1, as `read_study` expects them. An open study that has ended
+/// is closed, even before the background task has closed it.
 inline constexpr const char* kStudyColumns = R"sql(
          s.id, s.owner_id, s.title, s.places, s.version, s.withdrawn,
          CASE WHEN s.state = 'open' AND s.ends_at <= to_timestamp($1::bigint / 1e6) THEN 'closed' ELSE s.state END AS state,

@@ -41,7 +41,8 @@ class StudyStore {
   /// Returns kTooMany if the study already has `most` others, or kConflict if somebody has joined.
   virtual Result<void> put_picture(const std::string& owner_id, const std::string& id,
                                    const StudyPicture& picture, int most) = 0;
-  virtual Result<StudyPicture> picture(const std::string& study_id, const std::string& picture_id) = 0;
+  virtual Result<StudyPicture> picture(const std::string& study_id,
+                                       const std::string& picture_id) = 0;
   virtual Result<std::vector<std::string>> pictures(const std::string& study_id) = 0;
 
   /// Lists the participants for an export, without previews.
@@ -84,9 +85,9 @@ class ParticipantStore {
     bool open = false;
   };
   virtual Result<Invitation> invitation(const std::string& token_hash, Time now) = 0;
-  /// Adds a participant to the study. Returns the existing one for a known key, kConflict if the key
-  /// belongs to another study or the study is not open, or kTooMany if all places are taken. Checks
-  /// neither for a preview.
+  /// Adds a participant to the study. Returns the existing one for a known key, kConflict if the
+  /// key belongs to another study or the study is not open, or kTooMany if all places are taken.
+  /// Checks neither for a preview.
   virtual Result<Participation> join(const std::string& study_id, const Participant& participant,
                                      const std::optional<Time>& preview_until, Time now) = 0;
   virtual Result<Participation> find(const std::string& key_hash, Time now) = 0;

@@ -211,7 +211,7 @@ def _paths(one: Request) -> list[Attack]:
 
 def _lines(one: Request) -> list[Attack]:
     made = [Attack("lines", f"method {method[:20]!r}", replace(one, method=method).data(), True)
-            for method in (b"TRACE", b"TRACK", b"CONNECT", b"BREW", b"PUT", b"PROPFIND", one.method.lower(), b"G\0T", b"X" * 5000, one.method + b"\t",
+            for method in (b"TRACE", b"TRACK", b"CONNECT", b"BREW", b"PROPFIND", one.method.lower(), b"G\0T", b"X" * 5000, one.method + b"\t",
                            b"PRI", b"\xc3\xa4")]
     for version in (b"HTTP/0.9", b"HTTP/2.0", b"HTTP/3", b"http/1.1", b"HTTP/", b"HTTP/1.1 X", b"HTTP/999999999999.1"):
         made.append(Attack("lines", f"version {version.decode()}", one.data().replace(b"HTTP/1.1", version, 1), True, must_answer=False))

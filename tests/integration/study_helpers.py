@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import httpx
+from analysis_double import AnalysisDouble
 from api_client import CONTRACT, client, make_ready, person
 from PIL import Image
 
@@ -154,3 +155,17 @@ def study_ways(stack, who, data_set: str) -> None:
         one.post(last)
     client(stack).get("/v1/perception")
     who.http.delete(path)
+
+
+def study_result_ways(all_stacks) -> None:
+    """Runs the operations that need the analysis, on a stack of their own."""
+    double = AnalysisDouble()
+    stack = all_stacks.open(only=("postgres", "redis", "api", "edge"), extra_env={"DIAPHANE_STUDY_ANALYSIS_URL": double.url})
+    who = researcher(stack).becomes_administrator()
+    study = create(who, definition())
+    double.answer["adoptable"]["comfort"] = {"bone": [0, 0, 0], "blood": [0, 0, 0]}
+    who.http.get(f"/v1/studies/{study}/analysis")
+    who.http.post(f"/v1/studies/{study}/adoption", json={"comfort": True})
+    who.http.delete("/v1/perception/comfort")
+    all_stacks.shut(stack)
+    double.close()

@@ -16,7 +16,7 @@ from cut_helpers import KEEP, store
 from access_matrix_fixture import put_export_file, put_picture
 from panoramas import hdr
 from seeds import PRIVACY_NOTICE
-from study_helpers import study_ways
+from study_helpers import study_result_ways, study_ways
 
 OPERATIONS = list(CONTRACT.operations())
 WITH_BODY = [o for o in OPERATIONS if "application/json" in str(CONTRACT.resolve(o[2].get("requestBody", {})))]
@@ -45,7 +45,13 @@ def boss(api):  # noqa: F811
 
 
 FOR_ADMINISTRATORS = {"listUsers", "getUser", "changeUser", "listAudit", "getFleet", "takeDownDataSet", "restoreDataSet", "takeDownPreset",
-                      "restorePreset", "listReports", "countReports", "listTakeDowns", "dismissReport"}
+                      "restorePreset", "listReports", "countReports", "listTakeDowns", "dismissReport", "adoptStudy", "resetComfort"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def role(api, one):  # noqa: F811
+    """Makes the user a researcher, for the operations of studies."""
+    api.psql("UPDATE users SET is_researcher = true WHERE id = %s", one.id)
 
 
 def caller(one, boss, operation):
@@ -110,6 +116,9 @@ def wrong_bodies(schema: dict, rng: random.Random):
             if value is None and "null" in part["type"]:
                 continue
             if value == {} and "object" in part["type"] and "minProperties" not in part:
+                continue
+            # The contract does not say what is in this object.
+            if isinstance(value, dict) and part["type"] == "object" and not {"properties", "minProperties"} & part.keys():
                 continue
             if not (part["type"] == "string" and name in ("password", "current") and isinstance(value, str) and len(value) < 800):
                 if part["type"] == "boolean" and isinstance(value, bool):
@@ -261,7 +270,7 @@ def report_ways(stack, data_set: str) -> None:
     boss.is_no_administrator()
 
 
-def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss):  # noqa: F811
+def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss, all_stacks):  # noqa: F811
     """Runs the shortest valid sequence through all operations, so that this also holds for this file alone."""
     signed_up(api)
     one.sign_in()
@@ -333,6 +342,7 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss): 
     forget_attempts(api)
     account_ways(api)
     administrators_ways(boss)
+    study_result_ways(all_stacks)
     person(api).http.post("/v1/sign-out")
     succeeded = {name for name, status in CONTRACT.seen if status < 300}
     assert succeeded == {spec["operationId"] for _, _, spec in OPERATIONS}

@@ -4,6 +4,89 @@ from __future__ import annotations
 
 from typing import Any, Literal, NotRequired, TypeAlias, TypedDict
 
+Slug: TypeAlias = str
+
+
+class StudyText(TypedDict):
+    en: NotRequired[str]
+    de: NotRequired[str]
+
+
+class StudyStep(TypedDict):
+    """
+    The kind decides the other fields. rating: low, high, low_text, high_text, and an optional view. colours: view, materials
+    (channel, name). order: pictures (id, comfort). viewpoint: view. choice: options (id, text), multiple. latency: view,
+    delays_ms. A view has data_set_id, scene, preset, may_change, start and an optional region (name, centre, radius).
+    Consecutive steps with the same non-empty group are put in random order. Participants get neither the name of a preset
+    nor the comfort of a picture.
+
+    """
+
+    id: Slug
+    kind: Literal[
+        'consent',
+        'text',
+        'rating',
+        'colours',
+        'order',
+        'viewpoint',
+        'choice',
+        'words',
+        'latency',
+    ]
+    group: str
+    text: StudyText
+
+
+class StudyInvitation(TypedDict):
+    title: StudyText
+    languages: list[Literal['en', 'de']]
+    consent: StudyText
+    record: bool
+    open: bool
+    places_left: int
+    steps: int
+    researcher: str
+    """
+    The researcher's public name, or empty.
+    """
+
+
+class Answer(TypedDict):
+    step: str
+    kind: str
+    value: dict[str, Any]
+    duration_ms: int
+
+
+class Participant(TypedDict):
+    number: int
+    """
+    Numbers of participants who withdrew are missing.
+    """
+    language: Literal['en', 'de']
+    seed: int
+    state: Literal['active', 'finished']
+    day: str
+    """
+    On which they joined.
+    """
+    recorded: bool
+    answers: list[Answer]
+    recordings: list[dict[str, Any]]
+
+
+class Comfort(TypedDict):
+    bone: list[float]
+    blood: list[float]
+    participants: int
+    title: StudyText
+
+
+class Perception(TypedDict):
+    comfort: Comfort | None
+
+
 Millimetre: TypeAlias = float
 
 
@@ -196,6 +279,7 @@ class User(TypedDict):
     verified: bool
     disabled: bool
     administrator: bool
+    researcher: bool
     quota: StorageQuota
     render_time: RenderTime
     data_sets: int
@@ -311,7 +395,7 @@ class Problem(TypedDict):
     """
     `urn:diaphane:problem:` and one of invalid, bad-request, unauthenticated, wrong-credentials, code-needed, wrong-code, disabled, csrf,
     origin, forbidden, second-factor-required, consent-needed, not-found, method-not-allowed, conflict, not-ready, not-anonymised, precondition, precondition-required, offset-mismatch, upload-complete,
-    upload-expired, locked, checksum-mismatch, link-expired, tus-version, over-quota, too-many-data-sets, render-time-spent, upload-too-large, body-too-large, storage-full, media-type,
+    upload-expired, study-closed, study-full, participation-ended, locked, checksum-mismatch, link-expired, tus-version, over-quota, too-many-data-sets, render-time-spent, upload-too-large, body-too-large, storage-full, media-type,
     idempotency-key-reused, too-many, too-many-attempts, no-worker, busy, unavailable, outcome-unknown, internal.
     `outcome-unknown` (503) means that the database connection was lost while a change was being saved. The change may
     or may not have been saved. Check, or repeat the request with the same Idempotency-Key.
@@ -363,6 +447,10 @@ class Me(TypedDict):
     id: Id
     email: str
     csrf_token: Token
+    researcher: bool
+    """
+    Whether the user may run studies.
+    """
     administrator: bool
     """
     Whether the user has the administrator role, which requires two-factor authentication to use.
@@ -545,6 +633,89 @@ class Session(TypedDict):
 class Stream(TypedDict):
     session_id: Id
     stream_url: str
+
+
+class StudyDefinition(TypedDict):
+    version: Literal[1]
+    template: Literal['comfort', 'validation', 'viewpoints', 'latency', 'sus', 'own']
+    title: StudyText
+    places: int
+    ends_at: str
+    """
+    UTC. At most one year ahead.
+    """
+    record: bool
+    """
+    Offers participants to record how they move.
+    """
+    steps: list[StudyStep]
+
+
+class Study(TypedDict):
+    id: Id
+    title: StudyText
+    state: Literal['draft', 'open', 'closed']
+    places: int
+    joined: int
+    """
+    Participants, including those who finished. Previews do not count.
+    """
+    finished: int
+    withdrawn: int
+    ends_at: Time
+    created_at: Time
+
+
+class StudyWithDefinition(TypedDict):
+    id: Id
+    title: StudyText
+    state: Literal['draft', 'open', 'closed']
+    places: int
+    joined: int
+    """
+    Participants, including those who finished. Previews do not count.
+    """
+    finished: int
+    withdrawn: int
+    ends_at: Time
+    created_at: Time
+    etag: str
+    definition: StudyDefinition
+
+
+class StudyPage(TypedDict):
+    items: list[Study]
+    next_cursor: str | None
+
+
+class JoinedStudy(TypedDict):
+    seed: int
+    definition: StudyDefinition
+    answered: list[str]
+    """
+    IDs of the answered steps.
+    """
+
+
+class Study1(TypedDict):
+    id: Id
+    definition: StudyDefinition
+    opened_at: str | None
+    closed_at: str | None
+    withdrawn: int
+
+
+class StudyExport(TypedDict):
+    format: Literal['diaphane-study']
+    version: Literal[1]
+    study: Study1
+    participants: list[Participant]
+
+
+class StudyVisit(TypedDict):
+    session_id: Id
+    stream_url: str
+    expires_at: Time
 
 
 class Environment(TypedDict):
