@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMostWords = 2000;  ///< characters
-/// Coordinates beyond 100 m are no view of a body.
+/// A camera farther away than 100 m does not show a body.
 constexpr double kFarthestMm = 100'000;
 constexpr std::int64_t kLongestTrialMs = 3'600'000;
 constexpr double kShortestDirection =

@@ -82,7 +82,7 @@ Outcome<void> Participations::check_address(const Client& client) {
   if (!wait) return refuse(wait.error());
   if (!*wait) return {};
   return refuse(ProblemKind::kTooManyAttempts,
-                "Too many people from your network have joined just now. Try again later.", **wait);
+                "Too many people from your network have joined. Try again later.", **wait);
 }
 
 Outcome<Participations::Joined> Participations::add(const std::string& study_id,

@@ -38,7 +38,7 @@ Result<std::string> strip_png(std::string_view file) {
     for (const std::string_view one : kKept) {
       if (type == one) kept += file.substr(at, length + kFrame);
     }
-    if (type == "IEND") return kept;  // what follows is no part of the picture
+    if (type == "IEND") return kept;  // what follows does not belong to the picture
     at += length + kFrame;
   }
   return no_picture();
