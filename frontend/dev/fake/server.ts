@@ -17,6 +17,7 @@ const me: Me = {
   email: "anna@example.org",
   csrf_token: "0".repeat(64),
   administrator: false,
+  researcher: true,
   second_factor: false,
   consent: { version: "2026-11-27", given_at: "2026-11-26T00:00:00.000Z" },
   quota: { bytes: 20e9, used_bytes: 3.1e9 },

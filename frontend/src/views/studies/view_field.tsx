@@ -1,0 +1,47 @@
+import type { Step, View, ViewStep } from "../../studies/definition";
+import { withStepView } from "../../studies/materials";
+import { t } from "../../texts";
+import { titleOf } from "../scan_card";
+import { useViewScans } from "./use_view_scans";
+
+export interface ViewFieldProps {
+  readonly step: ViewStep;
+  /** The views of the steps before. */
+  readonly earlier: readonly View[];
+  readonly change: (step: Step) => void;
+  readonly choose: () => void;
+}
+
+/** The picture of a step. */
+export function ViewField({ step, earlier, change, choose }: ViewFieldProps) {
+  const text = t.studies;
+  const scans = useViewScans();
+  const { view } = step;
+  const scan = scans?.find(({ id }) => id === view?.data_set_id);
+  const last = earlier.at(-1);
+  const withoutView = () => {
+    const { view: _, ...rest } = step;
+    change(rest as Step);
+  };
+  return (
+    <div class="study-view" role="group" aria-label={text.view}>
+      <p>{view ? text.viewOf(scan ? titleOf(scan) : text.unknownScan, view.preset) : text.viewNone}</p>
+      {step.kind === "rating" && !view ? <p class="field-hint">{text.scaleOptional}</p> : null}
+      <div class="study-choices">
+        <button type="button" class="button" onClick={choose}>
+          {view ? text.changeView : text.chooseView}
+        </button>
+        {!view && last ? (
+          <button type="button" class="button" onClick={() => change(withStepView(step, last))}>
+            {text.copyView}
+          </button>
+        ) : null}
+        {view && step.kind === "rating" ? (
+          <button type="button" class="button" onClick={withoutView}>
+            {text.removeView}
+          </button>
+        ) : null}
+      </div>
+    </div>
+  );
+}
