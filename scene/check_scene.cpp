@@ -175,6 +175,16 @@ Complaint check_labels(const diaphane::v1::Scene& scene) {
   return {};
 }
 
+Complaint check(const diaphane::v1::Highlight& highlight) {
+  if (auto c = check(highlight.centre(), "highlight.centre")) return c;
+  if (auto c = in_range(highlight.radius(), 1e-3, 1e6, "highlight.radius",
+                        "must be from 0.001 to 1,000,000 mm")) {
+    return c;
+  }
+  if (auto c = check(highlight.colour(), 1, "highlight.colour", "must be from 0 to 1")) return c;
+  return in_range(highlight.strength(), 0, 1, "highlight.strength", "must be from 0 to 1");
+}
+
 Complaint first_complaint(const diaphane::v1::Scene& scene, PictureCheck check_picture) {
   if (auto c = check(scene.transfer_function())) return c;
   if (auto c = check_lights(scene, check_picture)) return c;
@@ -187,6 +197,9 @@ Complaint first_complaint(const diaphane::v1::Scene& scene, PictureCheck check_p
   if (auto c = check(scene.slices())) return c;
   if (auto c = check(scene.shading())) return c;
   if (auto c = check_labels(scene)) return c;
+  if (scene.has_highlight()) {
+    if (auto c = check(scene.highlight())) return c;
+  }
   if (scene.bounces() > kMostBounces) return complain("bounces", "must be at most 1024");
   return {};
 }

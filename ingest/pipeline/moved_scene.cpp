@@ -48,6 +48,7 @@ Result<std::string> moved_scene(const std::string& text, const volume::Vector& s
     if (clip.has_box_high()) move(*clip.mutable_box_high(), shift);
     for (auto& plane : *clip.mutable_planes()) move(*plane.mutable_point(), shift);
   }
+  if (scene.has_highlight()) move(*scene.mutable_highlight()->mutable_centre(), shift);
   if (scene.has_slices()) {
     v1::Slices& slices = *scene.mutable_slices();
     const auto along = [&](v1::Slices::Slice* slice, std::size_t axis) {

@@ -22,7 +22,7 @@ TEST(MovedScene, MovesWorldPositionsAndKeepsTheLook) {
     "clip": {"boxLow": {"x": -9, "y": -9, "z": -9}, "boxHigh": {"x": 9, "y": 9, "z": 9},
              "planes": [{"point": {"z": 4}, "normal": {"z": 1}}]},
     "slices": {"sagittal": {"shown": true, "position": 1}, "axial": {"position": -1}},
-    "bounces": 2})";
+    "highlight": {"centre": {"x": 2}, "radius": 8}, "bounces": 2})";
   const auto moved = moved_scene(before, {1, 20, 300});
   ASSERT_TRUE(moved.has_value());
   const json now = json::parse(*moved), old = json::parse(before);
@@ -39,6 +39,8 @@ TEST(MovedScene, MovesWorldPositionsAndKeepsTheLook) {
   EXPECT_EQ(now["clip"]["boxLow"], (json{{"x", -10}, {"y", -29}, {"z", -309}}));
   EXPECT_EQ(now["clip"]["boxHigh"], (json{{"x", 8}, {"y", -11}, {"z", -291}}));
   EXPECT_EQ(now["clip"]["planes"][0]["point"], (json{{"x", -1}, {"y", -20}, {"z", -296}}));
+  EXPECT_EQ(now["highlight"],
+            (json{{"centre", {{"x", 1}, {"y", -20}, {"z", -300}}}, {"radius", 8}}));
   EXPECT_FALSE(now["slices"]["sagittal"].contains("position"));  // 1 - 1
   EXPECT_EQ(now["slices"]["axial"]["position"], -301);
   const auto back = moved_scene(*moved, {-1, -20, -300});

@@ -101,6 +101,21 @@ Result<void> add_marked(const Options& options, volume::Volume& input, diaphane:
   return show_labels(input.label_set, options.labels, scene);
 }
 
+/// Adds the highlight of --highlight to the scene.
+void add_highlight(const Options& options, diaphane::v1::Scene& scene) {
+  if (!options.highlight) return;
+  const auto [x, y, z, radius] = *options.highlight;
+  auto& highlight = *scene.mutable_highlight();
+  highlight.mutable_centre()->set_x(x);
+  highlight.mutable_centre()->set_y(y);
+  highlight.mutable_centre()->set_z(z);
+  highlight.set_radius(radius);
+  // Blue does not occur in the body.
+  highlight.mutable_colour()->set_r(0.05);
+  highlight.mutable_colour()->set_g(0.25);
+  highlight.mutable_colour()->set_b(0.9);
+}
+
 /// Prints the presets that the scan can show, one per line.
 Result<void> list_presets(const Options& options) {
   auto input = read_input(options.input);
@@ -218,6 +233,7 @@ Result<Rendered> render(const Options& options) {
   if (const auto marked = add_marked(options, *input, *scene); !marked) {
     return tl::make_unexpected(marked.error());
   }
+  add_highlight(options, *scene);
   volume::list_found_labels(*input);
   if (!options.stored_slices) {
     volume::refine_slices(

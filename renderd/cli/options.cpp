@@ -106,6 +106,23 @@ std::function<std::string(const std::string&)> positive_number(double most) {
   };
 }
 
+std::string parse_highlight(const std::string& text,
+                            std::optional<std::array<double, 4>>& highlight) {
+  std::array<double, 4> numbers{};
+  const char* at = text.data();
+  const char* last = at + text.size();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const auto [end, error] = std::from_chars(at, last, numbers[i]);
+    const bool ends = i + 1 == numbers.size() ? end == last : end != last && *end == ',';
+    if (error != std::errc{} || !ends) {
+      return "must be X,Y,Z,RADIUS in mm, for example 10,-20,5,15, but got '" + text + "'";
+    }
+    at = end + 1;
+  }
+  highlight = numbers;
+  return {};
+}
+
 std::string engine_name(const std::string& text) {
   if (text == "auto" || text == "cpu" || text == "cuda") return {};
   return "must be auto, cpu or cuda, but got '" + text + "'";
@@ -149,7 +166,7 @@ std::string check_folder_of(const std::string& path) {
 
 /// Values that are converted after or while they are parsed.
 struct Texts {
-  std::string size, engine = "auto", walk, points, mis;
+  std::string size, highlight, engine = "auto", walk, points, mis;
   std::vector<std::string> labels;
 };
 
@@ -198,6 +215,15 @@ void add_labels(::CLI::App& app, Options& options, Texts& texts) {
   app.add_flag("--list-labels", options.list_labels,
                "print number, colour, volume and name of each label, and render nothing")
       ->needs(file);
+}
+
+void add_highlight(::CLI::App& app, Options& options, Texts& texts) {
+  app.add_option("--highlight", texts.highlight,
+                 "tint the matter in the sphere with this centre and radius (mm) blue")
+      ->type_name("X,Y,Z,RADIUS")
+      ->check(
+          [&options](const std::string& text) { return parse_highlight(text, options.highlight); },
+          "");
 }
 
 void add_stop_rule(::CLI::App& app, Options& options) {
@@ -288,6 +314,7 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   Texts texts;
   add_input(app, options, texts);
   add_labels(app, options, texts);
+  add_highlight(app, options, texts);
   add_stop_rule(app, options);
   add_engine(app, options, texts);
   add_method(app, options, texts);

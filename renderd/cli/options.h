@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -30,6 +31,8 @@ struct Options {
   std::string environment;          ///< panorama that replaces the lights; empty: none
   std::string label_file;           ///< empty: none
   std::vector<LabelOption> labels;  ///< requires `label_file`
+  /// Centre and radius of the sphere that is highlighted, mm.
+  std::optional<std::array<double, 4>> highlight;
   Canvas canvas{512, 512};
   std::optional<std::uint32_t> samples;  ///< per pixel
   std::optional<double> error;           ///< estimated error at which to stop

@@ -55,6 +55,18 @@ TEST(RenderOptions, ErrorOrTimeLimitReplacesTheDefaultSampleCount) {
   EXPECT_EQ(rule_of({"--seconds", "3", "--samples", "5"}).samples, 5u);
 }
 
+TEST(RenderOptions, ParsesAHighlight) {
+  const auto parsed = parse_words(
+      {"scan", "--preset", "bone", "--out", "a.ppm", "--highlight", "-10.5,20,-3e1,15"});
+  const auto* options = std::get_if<Options>(&parsed);
+  ASSERT_NE(options, nullptr) << std::get<EarlyExit>(parsed).text;
+  EXPECT_EQ(options->highlight, (std::array{-10.5, 20.0, -30.0, 15.0}));
+  for (const char* wrong : {"1,2,3", "1,2,3,4,5", "1,2,3,x", "", "1 2 3 4"}) {
+    expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--highlight", wrong},
+                   "X,Y,Z,RADIUS");
+  }
+}
+
 TEST(RenderOptions, ListingPresetsNeedsNoPicture) {
   const auto parsed = parse_words({"scan", "--list-presets"});
   ASSERT_TRUE(std::holds_alternative<Options>(parsed));

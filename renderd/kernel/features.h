@@ -30,7 +30,7 @@ enum class Feature : std::uint32_t {
   kSteepExtinction,      ///< clear and very dense matter side by side, which needs bounds per voxel
   kGuides,               ///< depth, albedo and normal of the visible matter, for the denoiser
   kCurves,               ///< the extinction is not a single linear function of the value
-  kLabels,               ///< labels of the voxels change the extinction or the colour
+  kLabels,               ///< labels or a highlight change the extinction or the colour of matter
   kCount
 };
 inline constexpr std::uint32_t kFeatureCount = static_cast<std::uint32_t>(Feature::kCount);

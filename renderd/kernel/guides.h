@@ -45,7 +45,7 @@ HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, 
       Float3 albedo = albedo_at(scene.transfer, value);
       if constexpr (F.has(Feature::kLabels)) {
         const LabelLook look = look_at(scene.labels, scene.volume.size, place);
-        if (!(look.colour.x < 0.0f)) albedo = look.colour;
+        albedo = albedo_of(scene, place, look, albedo);
       }
       sum.albedo += albedo * weight;
       if (weight > most) {

@@ -62,6 +62,19 @@ struct LabelledMedium {
   }
 };
 
+/// Returns the albedo of the matter at a place (voxel indices), given its albedo by the transfer
+/// function. A label may replace it, and a highlight tints it.
+template <typename Volume>
+HOST_DEVICE Float3 albedo_of(const SceneView<Volume>& scene, Float3 place, const LabelLook& look,
+                             Float3 albedo) {
+  if (!(look.colour.x < 0.0f)) albedo = look.colour;
+  const HighlightView& highlight = scene.highlight;
+  if (!(highlight.strength > 0.0f)) return albedo;
+  const Float3 from_centre = place * scene.spacing - highlight.centre;
+  if (dot(from_centre, from_centre) > highlight.squared_radius) return albedo;
+  return albedo + (highlight.colour - albedo) * highlight.strength;
+}
+
 template <Features F, typename Volume>
 HOST_DEVICE auto medium_of(const SceneView<Volume>& scene) {
   if constexpr (F.has(Feature::kLabels)) {

@@ -119,7 +119,7 @@ HOST_DEVICE Scatter<F> scatter_at(const SceneView<Volume>& scene, Float3 place, 
   [[maybe_unused]] float opacity = 1.0f;  // of the label
   if constexpr (F.has(Feature::kLabels)) {
     const LabelLook look = look_at(scene.labels, scene.volume.size, place);
-    if (!(look.colour.x < 0.0f)) s.albedo = look.colour;
+    s.albedo = albedo_of(scene, place, look, s.albedo);
     opacity = look.opacity;
   }
   s.incoming = incoming;

@@ -247,6 +247,14 @@ struct LabelsView {
   const LabelLook* looks;      ///< by label; entry 0 is for voxels of no label
 };
 
+/// A sphere in which matter is tinted (Feature::kLabels).
+struct HighlightView {
+  Float3 centre;         ///< mm in the volume's frame
+  float squared_radius;  ///< mm^2
+  Float3 colour;         ///< albedo
+  float strength;        ///< share of `colour`, in [0, 1]; 0: no highlight
+};
+
 struct SlicesView {
   Float3 position;       ///< position along each voxel axis, voxel indices; < 0: no slice
   bool coloured;         ///< coloured by the transfer function; false: grey by the window
@@ -283,6 +291,7 @@ struct SceneView {
   ClipView clip;
   SlicesView slices;
   LabelsView labels;
+  HighlightView highlight;
   float phase_g;
   /// A place where the extinction has the gradient G (per mm^2) is a surface with the probability
   /// 1 - exp(-|G| surfaces). Unit mm^2; 0 means never, infinity wherever there is a gradient.

@@ -194,6 +194,22 @@ const Fault kFaultsOfTheView[] = {
      [](Scene& s) {
        for (std::uint32_t i = 1; i <= 257; ++i) s.add_labels()->set_number(i);
      }},
+    {"highlight.radius", [](Scene& s) { s.mutable_highlight(); }},
+    {"highlight.centre.y",
+     [](Scene& s) {
+       s.mutable_highlight()->set_radius(3);
+       s.mutable_highlight()->mutable_centre()->set_y(kInfinity);
+     }},
+    {"highlight.colour.g",
+     [](Scene& s) {
+       s.mutable_highlight()->set_radius(3);
+       s.mutable_highlight()->mutable_colour()->set_g(1.5);
+     }},
+    {"highlight.strength",
+     [](Scene& s) {
+       s.mutable_highlight()->set_radius(3);
+       s.mutable_highlight()->set_strength(kNan);
+     }},
     {"shading.mode",
      [](Scene& s) { s.mutable_shading()->set_mode(static_cast<diaphane::v1::Shading::Mode>(7)); }},
     {"shading.gradientScale", [](Scene& s) { s.mutable_shading()->set_gradient_scale(-1); }},

@@ -54,13 +54,20 @@ Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, F
       .with(Feature::kEmission, !s.transfer->emission.empty())
       .with(Feature::kBounces, s.bounces > 1)
       .with(Feature::kSteepExtinction, s.labels ? s.labels->steep : s.transfer->steep)
-      .with(Feature::kLabels, s.labels != nullptr)
+      .with(Feature::kLabels, s.labels != nullptr || s.highlight.strength > 0)
       .with(Feature::kClipLight, s.clip.light_count > 0);
 }
 
-}  // namespace
-
-namespace {
+HighlightView prepare_highlight(const diaphane::v1::Scene& scene, const WorldToFrame& frame) {
+  if (!scene.has_highlight()) return {};
+  constexpr double kUsualStrength = 0.75;
+  const auto& highlight = scene.highlight();
+  const double strength = highlight.strength() > 0 ? highlight.strength() : kUsualStrength;
+  return {.centre = to_float(frame.point(vector_of(highlight.centre()))),
+          .squared_radius = static_cast<float>(highlight.radius() * highlight.radius()),
+          .colour = colour_of(highlight.colour()),
+          .strength = static_cast<float>(strength)};
+}
 
 /// Sets what a camera ray that leaves the volume shows.
 void prepare_background(const diaphane::v1::Display& display, PreparedScene& out) {
@@ -139,7 +146,7 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
 
 bool use_exact_walk(const PreparedScene& scene, Method method) {
   return method.walk != Walk::kTracking && !scene.transfer->exact.pieces.empty() &&
-         !scene.features.has(Feature::kLabels);
+         scene.labels == nullptr;
 }
 
 Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
@@ -165,6 +172,7 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   out.camera = prepare_camera(scene.camera(), axes, frame, canvas);
   out.clip = prepare_clip(scene.clip(), frame, to_double(out.spacing));
   out.slices = prepare_slices(scene, header);
+  out.highlight = prepare_highlight(scene, frame);
   out.matter = !scene.slices().alone();
   auto lights = prepare_lights(scene, axes, frame, before != nullptr ? before->textures : nullptr);
   DIAPHANE_TRY(lights);

@@ -38,6 +38,7 @@ struct PreparedScene {
   CameraView camera{};
   ClipView clip{};
   SlicesView slices{};
+  HighlightView highlight{};
   bool matter = true;         ///< false: there are only slices, and no ray is traced
   float phase_g = 0;          ///< g of Henyey-Greenstein, between -1 and 1
   float surfaces = 0;         ///< SceneView::surfaces
@@ -153,6 +154,7 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            .clip = scene.clip,
                            .slices = scene.slices,
                            .labels = {},
+                           .highlight = scene.highlight,
                            .phase_g = scene.phase_g,
                            .surfaces = scene.surfaces,
                            .bounces = scene.bounces,

@@ -2,14 +2,18 @@ import { signal } from "@preact/signals";
 import type { After } from "../live/paced";
 import type { Answer } from "./definition";
 
-export type QueuedAnswer = {
+export interface QueuedAnswer {
   readonly kind: "answer";
   readonly step: string;
   readonly value: Answer;
   readonly duration_ms: number;
   readonly sequence: number;
-};
-export type QueuedRecording = { readonly kind: "recording"; readonly step: string; readonly recording: object };
+}
+export interface QueuedRecording {
+  readonly kind: "recording";
+  readonly step: string;
+  readonly recording: object;
+}
 export type Queued = QueuedAnswer | QueuedRecording;
 
 /** What became of a request: it may be repeated, it never succeeds, or the study is over for this participant. */
@@ -126,7 +130,7 @@ export class AnswerQueue {
       failure = this.parts.failureOf(thrown);
     }
     this.busy = false;
-    if (this.stopped) return; // another page of this tab continues, or everything is forgotten
+    if (this.isStopped()) return; // another page of this tab continues, or everything is forgotten
     if (failure?.kind === "again") this.retryLater(failure.retryAfterMs);
     else if (failure?.kind === "over") this.end();
     else {
@@ -136,6 +140,11 @@ export class AnswerQueue {
       this.keep(this.pending.value.filter((one) => one !== item));
       void this.next();
     }
+  }
+
+  /** A function, because the compiler assumes that a property does not change while something is awaited. */
+  private isStopped(): boolean {
+    return this.stopped;
   }
 
   private end(): void {

@@ -4,7 +4,7 @@ export const studyLanguages = ["en", "de"] as const;
 export type StudyLanguage = (typeof studyLanguages)[number];
 
 /** A text for participants, in at least one language. */
-export type Text = { readonly [Language in StudyLanguage]?: string };
+export type Text = Readonly<Partial<Record<StudyLanguage, string>>>;
 
 export const templates = ["comfort", "validation", "viewpoints", "latency", "sus", "own"] as const;
 export type Template = (typeof templates)[number];
@@ -153,8 +153,8 @@ export function textIn(text: Text, language: StudyLanguage): { readonly text: st
 
 /** Returns a copy of a text with one language changed. An empty text removes the language. */
 export function withText(text: Text, language: StudyLanguage, value: string): Text {
-  const { [language]: _, ...others } = text;
-  return value === "" ? others : { ...others, [language]: value };
+  const all = studyLanguages.map((one) => [one, one === language ? value : (text[one] ?? "")] as const);
+  return Object.fromEntries(all.filter(([, words]) => words !== ""));
 }
 
 /** Returns an ID that no step has yet, such as "rating-2". */

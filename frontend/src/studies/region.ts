@@ -4,14 +4,15 @@ import { rgb } from "../scene/colour";
 import type { Region } from "./definition";
 
 /** Blue does not occur naturally in a body (thesis 6.2.2). */
-const highlightColour = rgb(0.05, 0.25, 1);
-const highlightStrength = 0.7;
+const highlightColour = rgb(0.05, 0.25, 0.9);
+const highlightStrength = 0.75;
 
 /** Returns the scene with a region highlighted, or with no highlight. Returns the same scene if nothing changes. */
 export function withRegion(scene: Scene, region: Region | null): Scene {
   if (region === null) {
     if (!scene.highlight) return scene;
-    const { highlight: _, ...plain } = scene;
+    const plain = { ...scene };
+    delete plain.highlight;
     return plain;
   }
   const [x, y, z] = region.centre;

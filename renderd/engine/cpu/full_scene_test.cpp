@@ -108,13 +108,13 @@ const Tiles& reference_of(double g) {
   return known.at(g);
 }
 
-Tiles rendered(const diaphane::v1::Scene& scene) {
+Tiles rendered(const diaphane::v1::Scene& scene, Method method = {}) {
   const auto engine = make_cpu_engine(2);
   const auto loaded = engine->load(oblique_volume()).value();
   Tiles tiles = no_tiles();
   for (std::uint32_t picture = 0; picture < kPictures; ++picture) {
     // The pictures use disjoint ranges of one stream.
-    const auto one = engine->renderer(loaded, 5, std::uint64_t{picture} * kSamples).value();
+    const auto one = engine->renderer(loaded, 5, std::uint64_t{picture} * kSamples, method).value();
     EXPECT_TRUE(one->set_scene(scene, kCanvas));
     EXPECT_TRUE(one->render(kSamples, nullptr));
     PictureRgbF out;
@@ -188,6 +188,33 @@ TEST(FullScene, ALabelAloneMatchesAnIndependentEstimator) {
   diaphane::v1::Scene scene = deep_scene();
   add_looks(scene);
   scene.mutable_labels(1)->set_solo(true);
+  EXPECT_EQ(rejections(rendered(scene), reference(scene)), std::vector<std::string>{});
+}
+
+/// Tints a part of the matter that the camera sees.
+void add_highlight(diaphane::v1::Scene& scene) {
+  auto& highlight = *scene.mutable_highlight();
+  test::set(highlight.mutable_centre(), 6, -6, 3);
+  highlight.set_radius(5);
+  test::set(highlight.mutable_colour(), 0.125, 0.25, 1);
+  highlight.set_strength(0.875);
+}
+
+TEST(FullScene, HighlightMatchesAnIndependentEstimator) {
+  diaphane::v1::Scene scene = deep_scene();
+  add_highlight(scene);
+  const Tiles expected = reference(scene);
+  for (const Walk walk : {Walk::kExact, Walk::kTracking}) {
+    EXPECT_EQ(rejections(rendered(scene, {.walk = walk}), expected), std::vector<std::string>{});
+  }
+  EXPECT_NE(rejections(rendered(deep_scene()), expected), std::vector<std::string>{})
+      << "it changes the picture";
+}
+
+TEST(FullScene, HighlightOfLabelsMatchesAnIndependentEstimator) {
+  diaphane::v1::Scene scene = deep_scene();
+  add_looks(scene);
+  add_highlight(scene);
   EXPECT_EQ(rejections(rendered(scene), reference(scene)), std::vector<std::string>{});
 }
 

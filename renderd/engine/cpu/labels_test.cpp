@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include "renderd/engine/cpu/engine.h"
@@ -129,6 +130,44 @@ TEST(Labels, AreTrackedBecauseTheExactWalkRefusesThem) {
   EXPECT_EQ(picture_of(scene, {.walk = Walk::kExact}).error().code, ErrorCode::kUnsupported);
   EXPECT_EQ(picture_of(scene, {.walk = Walk::kAuto}).value(),
             picture_of(scene, {.walk = Walk::kTracking}).value());
+}
+
+TEST(Highlight, TintsMatterInItsSphereAndKeepsTheExactWalk) {
+  volume::Volume plain = marked_volume();
+  plain.label_set = {};
+  diaphane::v1::Scene scene = scene_with({});
+  auto& highlight = *scene.mutable_highlight();
+  test::set(highlight.mutable_centre(), -4, 3, 2);
+  highlight.set_radius(6);
+  test::set(highlight.mutable_colour(), 0, 0, 1);
+  highlight.set_strength(0.5);
+  const test::Prepared p(plain, scene);
+  EXPECT_TRUE(p.scene().features.has(Feature::kLabels));
+  EXPECT_TRUE(use_exact_walk(p.scene(), Method{}));
+  const auto albedo_at_world = [&](double x, double y, double z) {
+    const auto& h = plain.header;
+    const Float3 place =
+        to_float(Double3{x / h.spacing[0] + 0.5 * h.size[0], y / h.spacing[1] + 0.5 * h.size[1],
+                         z / h.spacing[2] + 0.5 * h.size[2]});
+    return scatter_at<kAllFeatures>(p.view(), place, p.view().volume.at(place), {0, 1, 0}, 0.5f)
+        .albedo;
+  };
+  // The reach is measured in mm, although voxels are longer along y than along z.
+  for (const auto& [inside, y, z] : {std::tuple{true, 3 + 5.9, 2.0},
+                                     {false, 3 + 6.1, 2.0},
+                                     {true, 3.0, 2 - 5.9},
+                                     {false, 3.0, 2 - 6.1}}) {
+    const Float3 albedo = albedo_at_world(-4, y, z);
+    EXPECT_NEAR(albedo.x, inside ? 0.4 : 0.8, 1e-6) << y << " " << z;
+    EXPECT_NEAR(albedo.z, inside ? 0.9 : 0.8, 1e-6);
+  }
+}
+
+TEST(Highlight, CostsNothingWhereThereIsNone) {
+  diaphane::v1::Scene scene = scene_with({});
+  EXPECT_FALSE(test::Prepared(marked_volume(), scene).scene().features.has(Feature::kLabels));
+  scene.mutable_highlight()->set_radius(1);
+  EXPECT_EQ(test::Prepared(marked_volume(), scene).scene().highlight.strength, 0.75f);
 }
 
 TEST(Labels, ChangedLooksTakeEffectWithTheSameTransferFunction) {

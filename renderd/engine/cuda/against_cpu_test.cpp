@@ -129,6 +129,19 @@ TEST_F(CudaAgainstCpuTest, LabelsHaveTheSameMean) {
   expect_same(volume, scene, kFew);
 }
 
+TEST_F(CudaAgainstCpuTest, HighlightHasTheSameMean) {
+  auto scene = full_scene();
+  scene.mutable_highlight()->set_radius(9);
+  test::set(scene.mutable_highlight()->mutable_colour(), 0.1, 0.3, 1);
+  const auto volume = lumpy_volume(40, 30, 25);
+  const auto cpu = make_cpu_engine(0);
+  const auto expected = tile_moments(*cpu, volume, scene, kFew, 1000);
+  for (const Walk walk : {Walk::kExact, Walk::kTracking}) {
+    EXPECT_EQ(
+        rejections(expected, tile_moments(*engine_, volume, scene, kFew, 2000, {.walk = walk})), 0);
+  }
+}
+
 TEST_F(CudaAgainstCpuTest, LightsOfEveryShapeHaveTheSameMean) {
   auto scene = full_scene();
   const auto colour = [](diaphane::v1::Rgb* c) {

@@ -95,8 +95,7 @@ struct Indirect {
 
 template <typename Kernel, std::size_t... I>
 const void* entry_of(std::size_t index, std::index_sequence<I...>) {
-  static const void* const table[] = {
-      Kernel::template entry<kVariants[I].without(Feature::kLabels).bits>()...};
+  static const void* const table[] = {Kernel::template entry<kVariants[I].bits>()...};
   return table[index];
 }
 

@@ -329,7 +329,8 @@ Agreement agreement(const Phantom& phantom, const std::vector<std::uint8_t>& lab
   std::array<double, 3> all{}, hit{};
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto label = static_cast<volume::Label>(labels[i]);
-    const bool is_body = label == volume::Label::kBody || label == volume::Label::kMetal;
+    const bool is_body = label == volume::Label::kBody || label == volume::Label::kMetal ||
+                         label == volume::Label::kBrain;
     const std::uint8_t truth = phantom.truth[i];
     ++all[truth];
     hit[truth] += is_body == (truth == 1) ? 1 : 0;

@@ -132,6 +132,7 @@ class ReferenceEstimator {
                   mean_of(value, [](const auto& c) { return triple(c.emission()); }),
                   false,
                   {}};
+    matter.albedo = tinted(place, matter.albedo);
     const auto mode = scene_.shading().mode();
     if (mode == diaphane::v1::Shading::PHASE) return matter;
     const auto& spacing = volume_.header.spacing;
@@ -221,6 +222,16 @@ class ReferenceEstimator {
       value += weight * volume_.voxels[index[0] + h.size[0] * (index[1] + h.size[1] * index[2])];
     }
     return value;
+  }
+
+  /// Returns an albedo as the highlight tints it at a place.
+  Triple tinted(Triple place, Triple albedo) const {
+    const auto& highlight = scene_.highlight();
+    const Triple from_centre = place - triple(highlight.centre());
+    const bool inside = std::sqrt(inner(from_centre, from_centre)) <= highlight.radius();
+    if (!scene_.has_highlight() || !inside) return albedo;
+    const double share = highlight.strength() > 0 ? highlight.strength() : 0.75;
+    return albedo * (1 - share) + triple(highlight.colour()) * share;
   }
 
   /// Returns the look of the label of the voxel that contains a place.

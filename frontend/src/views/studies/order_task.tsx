@@ -160,17 +160,19 @@ function usePictures(participant: string, ids: readonly string[]) {
     const leaving = new AbortController();
     const made: string[] = [];
     let stopTimer: () => void = () => undefined;
+    const isGone = () => leaving.signal.aborted;
     const load = async (id: string): Promise<void> => {
+      if (isGone()) return;
       try {
         const url = URL.createObjectURL(await api.studies.pictureOf(participant, id, leaving.signal));
         made.push(url);
         setUrls((before) => new Map(before).set(id, url));
         setFailing(false);
       } catch {
-        if (leaving.signal.aborted) return;
+        if (isGone()) return;
         setFailing(true);
         await new Promise<void>((resolve) => (stopTimer = after(triedAgainMs, resolve)));
-        if (!leaving.signal.aborted) await load(id);
+        await load(id);
       }
     };
     void (async () => {

@@ -47,41 +47,56 @@ export function RegionFields({ session, picture, settings, set }: RegionFieldsPr
       <p class="field-hint">{text.regionHint}</p>
       {region ? (
         <>
-          <TextFields
-            label={text.regionName}
-            value={region.name}
-            most={limits.title}
-            change={(name) => change({ ...region, name })}
-          />
           <p>
             <button type="button" class="button" onClick={mark}>
               {text.mark}
             </button>
           </p>
-          <NumberControl
-            label={text.radius}
-            unit={text.mm}
-            value={region.radius}
-            limits={radiusLimits}
-            slide={{ low: 1, high: 150 }}
-            rest={() => session.editor.rest()}
-            change={(radius) => change({ ...region, radius })}
-          />
-          {axes.map((axis, i) => (
-            <NumberControl
-              key={axis}
-              label={text.centre[axis]}
-              unit={text.mm}
-              value={region.centre[i] ?? 0}
-              limits={placeLimits}
-              slide={{ low: -300, high: 300 }}
-              rest={() => session.editor.rest()}
-              change={(value) => change({ ...region, centre: withNumber(region.centre, i, value) })}
-            />
-          ))}
+          <RegionNumbers session={session} region={region} change={change} />
         </>
       ) : null}
     </section>
+  );
+}
+
+interface RegionNumbersProps {
+  readonly session: ViewerSession;
+  readonly region: Region;
+  readonly change: (region: Region) => void;
+}
+
+function RegionNumbers({ session, region, change }: RegionNumbersProps) {
+  const text = t.studies.editor;
+  return (
+    <>
+      <TextFields
+        label={text.regionName}
+        value={region.name}
+        most={limits.title}
+        change={(name) => change({ ...region, name })}
+      />
+      <NumberControl
+        label={text.radius}
+        unit={text.mm}
+        value={region.radius}
+        limits={radiusLimits}
+        slide={{ low: 1, high: 150 }}
+        rest={() => session.editor.rest()}
+        change={(radius) => change({ ...region, radius })}
+      />
+      {axes.map((axis, i) => (
+        <NumberControl
+          key={axis}
+          label={text.centre[axis]}
+          unit={text.mm}
+          value={region.centre[i] ?? 0}
+          limits={placeLimits}
+          slide={{ low: -300, high: 300 }}
+          rest={() => session.editor.rest()}
+          change={(value) => change({ ...region, centre: withNumber(region.centre, i, value) })}
+        />
+      ))}
+    </>
   );
 }
 

@@ -92,7 +92,10 @@ function KindFields({ step, study, save, change, chooseView }: StepFormProps) {
   }
 }
 
-type Changing<Kind extends Step> = { readonly step: Kind; readonly change: (step: Step) => void };
+interface Changing<Kind extends Step> {
+  readonly step: Kind;
+  readonly change: (step: Step) => void;
+}
 
 const wholeOf = (text: string): number => (text.trim() === "" ? Number.NaN : Number(text));
 const shown = (value: number): string => (Number.isNaN(value) ? "" : String(value));

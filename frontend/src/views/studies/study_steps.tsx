@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import { textIn, type Answer, type Step } from "../../studies/definition";
+import { hasView, textIn, type Answer, type Step } from "../../studies/definition";
 import type { Ending, Participation } from "../../studies/participation";
 import { language, t } from "../../texts";
 import { Dialog } from "../dialog";
@@ -40,7 +40,7 @@ export function StudySteps({ participation, end, leave }: StudyStepsProps) {
     );
   const answer = (value: Answer, durationMs: number) => participation.answer(step, value, durationMs);
   return (
-    <StudyFrame filled={step.kind !== "order" && "view" in step && step.view !== undefined} tools={tools}>
+    <StudyFrame filled={hasView(step) && step.view !== undefined} tools={tools}>
       <Progress participation={participation} title={title} step={step} />
       {leave ? <Notice kind="info">{t.takePart.preview}</Notice> : null}
       <QueueNotices queue={queue} />

@@ -20,8 +20,9 @@ export function ViewField({ step, earlier, change, choose }: ViewFieldProps) {
   const scan = scans?.find(({ id }) => id === view?.data_set_id);
   const last = earlier.at(-1);
   const withoutView = () => {
-    const { view: _, ...rest } = step;
-    change(rest as Step);
+    const rest = { ...step };
+    delete rest.view;
+    change(rest);
   };
   return (
     <div class="study-view" role="group" aria-label={text.view}>

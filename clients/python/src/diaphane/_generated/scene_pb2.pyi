@@ -123,6 +123,18 @@ class EnvironmentLight(_message.Message):
     texture: Texture
     def __init__(self, radiance: _Optional[_Union[Rgb, _Mapping]] = ..., texture: _Optional[_Union[Texture, _Mapping]] = ..., stored: _Optional[str] = ..., rotation_degrees: _Optional[float] = ...) -> None: ...
 
+class Highlight(_message.Message):
+    __slots__ = ["centre", "colour", "radius", "strength"]
+    CENTRE_FIELD_NUMBER: _ClassVar[int]
+    COLOUR_FIELD_NUMBER: _ClassVar[int]
+    RADIUS_FIELD_NUMBER: _ClassVar[int]
+    STRENGTH_FIELD_NUMBER: _ClassVar[int]
+    centre: Vec3
+    colour: Rgb
+    radius: float
+    strength: float
+    def __init__(self, centre: _Optional[_Union[Vec3, _Mapping]] = ..., radius: _Optional[float] = ..., colour: _Optional[_Union[Rgb, _Mapping]] = ..., strength: _Optional[float] = ...) -> None: ...
+
 class LabelLook(_message.Message):
     __slots__ = ["colour", "number", "opacity", "solo"]
     COLOUR_FIELD_NUMBER: _ClassVar[int]
@@ -204,11 +216,12 @@ class Rgb(_message.Message):
     def __init__(self, r: _Optional[float] = ..., g: _Optional[float] = ..., b: _Optional[float] = ...) -> None: ...
 
 class Scene(_message.Message):
-    __slots__ = ["bounces", "camera", "clip", "display", "labels", "lights", "phase", "shading", "show_table", "slices", "transfer_function"]
+    __slots__ = ["bounces", "camera", "clip", "display", "highlight", "labels", "lights", "phase", "shading", "show_table", "slices", "transfer_function"]
     BOUNCES_FIELD_NUMBER: _ClassVar[int]
     CAMERA_FIELD_NUMBER: _ClassVar[int]
     CLIP_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_FIELD_NUMBER: _ClassVar[int]
+    HIGHLIGHT_FIELD_NUMBER: _ClassVar[int]
     LABELS_FIELD_NUMBER: _ClassVar[int]
     LIGHTS_FIELD_NUMBER: _ClassVar[int]
     PHASE_FIELD_NUMBER: _ClassVar[int]
@@ -220,6 +233,7 @@ class Scene(_message.Message):
     camera: Camera
     clip: Clip
     display: Display
+    highlight: Highlight
     labels: _containers.RepeatedCompositeFieldContainer[LabelLook]
     lights: _containers.RepeatedCompositeFieldContainer[Light]
     phase: Phase
@@ -227,7 +241,7 @@ class Scene(_message.Message):
     show_table: bool
     slices: Slices
     transfer_function: TransferFunction
-    def __init__(self, transfer_function: _Optional[_Union[TransferFunction, _Mapping]] = ..., lights: _Optional[_Iterable[_Union[Light, _Mapping]]] = ..., camera: _Optional[_Union[Camera, _Mapping]] = ..., phase: _Optional[_Union[Phase, _Mapping]] = ..., display: _Optional[_Union[Display, _Mapping]] = ..., shading: _Optional[_Union[Shading, _Mapping]] = ..., clip: _Optional[_Union[Clip, _Mapping]] = ..., slices: _Optional[_Union[Slices, _Mapping]] = ..., bounces: _Optional[int] = ..., show_table: bool = ..., labels: _Optional[_Iterable[_Union[LabelLook, _Mapping]]] = ...) -> None: ...
+    def __init__(self, transfer_function: _Optional[_Union[TransferFunction, _Mapping]] = ..., lights: _Optional[_Iterable[_Union[Light, _Mapping]]] = ..., camera: _Optional[_Union[Camera, _Mapping]] = ..., phase: _Optional[_Union[Phase, _Mapping]] = ..., display: _Optional[_Union[Display, _Mapping]] = ..., shading: _Optional[_Union[Shading, _Mapping]] = ..., clip: _Optional[_Union[Clip, _Mapping]] = ..., slices: _Optional[_Union[Slices, _Mapping]] = ..., bounces: _Optional[int] = ..., show_table: bool = ..., labels: _Optional[_Iterable[_Union[LabelLook, _Mapping]]] = ..., highlight: _Optional[_Union[Highlight, _Mapping]] = ...) -> None: ...
 
 class Shading(_message.Message):
     __slots__ = ["gradient_scale", "mode"]
