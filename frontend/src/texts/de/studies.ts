@@ -91,7 +91,7 @@ export const studies: Texts["studies"] = {
   chooseView: "Bild wählen",
   changeView: "Bild ändern",
   removeView: "Bild entfernen",
-  copyView: "Bild eines früheren Schritts verwenden",
+  copyView: "Bild eines anderen Schritts verwenden",
   unknownScan: "Aufnahme",
   materials: "Materialien, deren Farbe Teilnehmende ändern können",
   materialsNone: "Wählen Sie zuerst das Bild. Danach erscheinen hier seine Materialien.",

@@ -14,6 +14,7 @@ export const takePart: Texts["takePart"] = {
     "Dürfen wir aufzeichnen, wie Sie das Bild bewegen? Die Aufzeichnung enthält die Ansichten und ihre Zeiten und nichts über Sie.",
   recordYes: "Ja, aufzeichnen, wie ich das Bild bewege",
   recordNo: "Nein, nicht aufzeichnen",
+  chooseRecord: "Wählen Sie, ob wir Ihre Bewegungen aufzeichnen dürfen.",
   agree: "Ich bin einverstanden und nehme teil",
   full: "Alle Plätze dieser Studie sind belegt. Vielen Dank für Ihr Interesse.",
   closed: "Diese Studie ist geschlossen. Vielen Dank für Ihr Interesse.",

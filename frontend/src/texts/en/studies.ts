@@ -79,7 +79,7 @@ export const studies = {
   chooseView: "Choose picture",
   changeView: "Change picture",
   removeView: "Remove picture",
-  copyView: "Use the picture of an earlier step",
+  copyView: "Use the picture of another step",
   unknownScan: "Scan",
   materials: "Materials that participants can recolour",
   materialsNone: "Choose the picture first. Its materials are then listed here.",

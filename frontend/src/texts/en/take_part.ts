@@ -14,6 +14,7 @@ export const takePart = {
     "May we record how you move the picture? The recording contains the views and their times, and nothing about you.",
   recordYes: "Yes, record how I move the picture",
   recordNo: "No, don’t record it",
+  chooseRecord: "Choose whether we may record your movements.",
   agree: "I agree and want to take part",
   full: "All places of this study are taken. Thank you for your interest.",
   closed: "This study is closed. Thank you for your interest.",

@@ -15,6 +15,7 @@ export interface InvitationFormProps {
 export function InvitationForm({ invitation, fault, join }: InvitationFormProps) {
   const [record, setRecord] = useState<boolean | null>(invitation.record ? null : false);
   const [busy, setBusy] = useState(false);
+  const [asked, setAsked] = useState(false);
   const text = t.takePart;
   const title = textIn(invitation.title, language.value);
   const refused = !invitation.open ? text.closed : invitation.places_left <= 0 ? text.full : "";
@@ -35,6 +36,7 @@ export function InvitationForm({ invitation, fault, join }: InvitationFormProps)
           class="study-consent"
           onSubmit={(event) => {
             event.preventDefault();
+            setAsked(true);
             if (record === null) return;
             setBusy(true);
             void join(record).finally(() => setBusy(false));
@@ -44,8 +46,11 @@ export function InvitationForm({ invitation, fault, join }: InvitationFormProps)
           <Paragraphs {...textIn(invitation.consent, language.value)} />
           <p class="muted">{text.privacy}</p>
           {invitation.record ? <RecordChoice record={record} choose={setRecord} /> : null}
+          <p class="field-fault" role="alert">
+            {asked && record === null ? text.chooseRecord : ""}
+          </p>
           {fault ? <Notice kind="bad">{fault}</Notice> : null}
-          <button type="submit" class="button button-main button-wide" disabled={busy || record === null}>
+          <button type="submit" class="button button-main button-wide" disabled={busy}>
             {text.agree}
           </button>
         </form>

@@ -30,6 +30,10 @@ export function LatencyTask({ step, participation, done }: LatencyTaskProps) {
   const { number, delays, phase } = task;
   return (
     <div class="study-live">
+      <section class="study-intro">
+        <Paragraphs {...textIn(step.text, language.value)} />
+        <RegionName step={step} />
+      </section>
       <LivePicture
         key={task.again.count}
         place={task.place}
@@ -40,8 +44,6 @@ export function LatencyTask({ step, participation, done }: LatencyTaskProps) {
         onAgain={task.again.begin}
       />
       <section class="study-panel">
-        <Paragraphs {...textIn(step.text, language.value)} />
-        <RegionName step={step} />
         <p role="status">{t.takePart.trial(number + 1, delays.length)}</p>
         {phase === "rating" ? (
           <DelayQuestions key={number} answer={task.rate} />

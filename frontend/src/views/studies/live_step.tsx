@@ -38,6 +38,10 @@ export function LiveStep({ step, participation, done }: LiveStepProps) {
   const turns = step.kind === "viewpoint" || (step.view?.may_change.includes("camera") ?? false);
   return (
     <div class="study-live">
+      <section class="study-intro">
+        <Paragraphs {...textIn(step.text, language.value)} />
+        <RegionName step={step} />
+      </section>
       <LivePicture
         key={again.count}
         place={place}
@@ -47,8 +51,6 @@ export function LiveStep({ step, participation, done }: LiveStepProps) {
         onAgain={again.begin}
       />
       <section class="study-panel">
-        <Paragraphs {...textIn(step.text, language.value)} />
-        <RegionName step={step} />
         {session ? <Changes step={step} session={session} /> : null}
         {session ? <Task step={step} session={session} done={done} /> : null}
         {turns ? <p class="hint">{t.takePart.hint}</p> : null}

@@ -25,7 +25,8 @@ export interface StepFormProps {
   readonly step: Step;
   readonly study: Study | null;
   readonly save: () => Promise<Study>;
-  readonly earlierViews: readonly View[];
+  /** The picture of another step, which this one can use too. */
+  readonly otherView: View | null;
   readonly findings: readonly Finding[];
   readonly change: (step: Step) => void;
   readonly chooseView: (choice: ViewChoice) => void;
@@ -47,7 +48,7 @@ export function StepForm(props: StepFormProps) {
       {hasView(step) ? (
         <ViewField
           step={step}
-          earlier={props.earlierViews}
+          other={props.otherView}
           change={change}
           choose={() => props.chooseView({ view: step.view ?? null, use: (view) => change(withStepView(step, view)) })}
         />

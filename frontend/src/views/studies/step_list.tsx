@@ -31,7 +31,7 @@ export interface StepListProps {
 /** The steps of a study, in order. One at a time is open for editing. */
 export function StepList(props: StepListProps) {
   const { definition, findings, change } = props;
-  const [open, setOpen] = useState<string | null>(() => firstToComplete(findings));
+  const [open, setOpen] = useState<string | null>(() => firstToComplete(definition, findings));
   const { steps } = definition;
   const withSteps = (next: readonly Step[]) => change({ ...definition, steps: next });
   const text = t.studies;
@@ -56,7 +56,7 @@ export function StepList(props: StepListProps) {
                 step={step}
                 study={props.study}
                 save={props.save}
-                earlierViews={viewsBefore(steps, i)}
+                otherView={otherViewOf(steps, i)}
                 findings={findings.filter((one) => one.step === step.id)}
                 change={(next) => withSteps(steps.map((one) => (one === step ? next : one)))}
                 chooseView={props.chooseView}
@@ -80,12 +80,18 @@ export function StepList(props: StepListProps) {
   );
 }
 
-/** The first step that something is missing in, which is opened at once. */
-const firstToComplete = (findings: readonly Finding[]): string | null =>
-  findings.find(({ step }) => step !== null)?.step ?? null;
+/** The first step that lacks a picture or anything else, which is opened at once. */
+const firstToComplete = ({ template, steps }: Definition, findings: readonly Finding[]): string | null =>
+  steps.find(
+    (step) =>
+      (template !== "sus" && hasView(step) && !step.view) || findings.some((finding) => finding.step === step.id),
+  )?.id ?? null;
 
-const viewsBefore = (steps: readonly Step[], at: number): readonly View[] =>
-  steps.slice(0, at).flatMap((step) => (hasView(step) && step.view ? [step.view] : []));
+/** Returns the picture of the nearest step before, or else of the first one that has one. */
+function otherViewOf(steps: readonly Step[], at: number): View | null {
+  const views = (of: readonly Step[]) => of.flatMap((step) => (hasView(step) && step.view ? [step.view] : []));
+  return views(steps.slice(0, at)).at(-1) ?? views(steps).at(0) ?? null;
+}
 
 interface StepHeadProps {
   readonly step: Step;

@@ -6,19 +6,18 @@ import { useViewScans } from "./use_view_scans";
 
 export interface ViewFieldProps {
   readonly step: ViewStep;
-  /** The views of the steps before. */
-  readonly earlier: readonly View[];
+  /** The picture of another step, which this one can use too. */
+  readonly other: View | null;
   readonly change: (step: Step) => void;
   readonly choose: () => void;
 }
 
 /** The picture of a step. */
-export function ViewField({ step, earlier, change, choose }: ViewFieldProps) {
+export function ViewField({ step, other, change, choose }: ViewFieldProps) {
   const text = t.studies;
   const scans = useViewScans();
   const { view } = step;
   const scan = scans?.find(({ id }) => id === view?.data_set_id);
-  const last = earlier.at(-1);
   const withoutView = () => {
     const rest = { ...step };
     delete rest.view;
@@ -32,8 +31,8 @@ export function ViewField({ step, earlier, change, choose }: ViewFieldProps) {
         <button type="button" class="button" onClick={choose}>
           {view ? text.changeView : text.chooseView}
         </button>
-        {!view && last ? (
-          <button type="button" class="button" onClick={() => change(withStepView(step, last))}>
+        {!view && other ? (
+          <button type="button" class="button" onClick={() => change(withStepView(step, other))}>
             {text.copyView}
           </button>
         ) : null}
