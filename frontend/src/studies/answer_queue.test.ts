@@ -13,6 +13,8 @@ class Store {
 let store: Store;
 let server: Queued[];
 let failing: unknown;
+/** Holds the requests while it is pending. */
+let gate: Promise<unknown>;
 let waits: number[];
 let timers: (() => void)[];
 
@@ -22,6 +24,7 @@ const open = () =>
     key: "queue",
     send: async (item) => {
       await Promise.resolve();
+      await gate;
       if (failing !== null) throw failing as Error;
       server.push(item);
     },
@@ -43,6 +46,7 @@ beforeEach(() => {
   store = new Store();
   server = [];
   failing = null;
+  gate = Promise.resolve();
   waits = [];
   timers = [];
 });
@@ -94,14 +98,18 @@ describe("the queue of answers", () => {
   });
 
   it("does not overwrite the answers of the page that continues", async () => {
+    let openGate: () => void = () => undefined;
+    gate = new Promise<void>((resolve) => (openGate = resolve));
     const before = open();
     before.answer("a", { rating: 1 }, 1);
+    await settle();
     before.stop(); // its request is still on the way
+    gate = new Promise(() => undefined);
     const queue = open();
-    failing = new ApiProblem(0, "offline", "");
     queue.answer("b", { rating: 2 }, 1);
+    openGate();
     await settle();
-    await settle();
+    expect(steps()).toEqual(["a"]);
     expect(open().pending.value.map(({ step }) => step)).toEqual(["a", "b"]);
   });
 

@@ -38,8 +38,7 @@ export class DelayLine {
       deliver();
       return;
     }
-    const dueMs = Math.max(this.clock.nowMs() + this.delayMs, this.held.at(-1)?.dueMs ?? 0);
-    this.held.push({ dueMs, deliver });
+    this.held.push({ dueMs: this.clock.nowMs() + this.delayMs, deliver });
     if (this.stopTimer === null) this.wait();
   }
 
