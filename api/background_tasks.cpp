@@ -31,6 +31,7 @@ BackgroundTasks::BackgroundTasks(const Backends& on, Services& services, MailTra
                      }),
       dispose_("disposal", at_most(5s), [this] { delete_disposed(); }),
       end_visits_("visits", at_most(5s), [this] { services_.shared.visits.expire(); }),
+      end_studies_("studies", at_most(5s), [this] { services_.study.studies.expire(); }),
       end_browsers_("expired web sessions", at_most(5s),
                     [this] { services_.account.changes.end_expired_browsers(); }),
       tidy_("tidying", 10min,

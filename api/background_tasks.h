@@ -31,6 +31,7 @@ class BackgroundTasks {
   Periodic make_pictures_;
   Periodic dispose_;
   Periodic end_visits_;
+  Periodic end_studies_;
   Periodic end_browsers_;
   Periodic tidy_;
   Periodic count_render_time_;

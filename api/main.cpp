@@ -27,6 +27,7 @@
 #include "api/settings.h"
 #include "api/shared/migrate.h"
 #include "api/sharing/routes.h"
+#include "api/studies/routes.h"
 #include "common/clock.h"
 #include "common/config.h"
 #include "common/log.h"
@@ -88,8 +89,8 @@ Result<std::unique_ptr<service::AdminServer>> start_admin(const Settings& settin
   return service::AdminServer::start(std::move(options));
 }
 
-void add_routes(RequestRouter& router, Services& services) {
-  auto& [account, data_set, session, privacy, shared, picture] = services;
+void add_routes(RequestRouter& router, Services& services, const Clock& clock) {
+  auto& [account, data_set, session, privacy, shared, picture, study] = services;
   router.add(account_routes(account.accounts, session.render_time, router));
   router.add(account_change_routes(account.changes, router));
   router.add(second_factor_routes(account.second_factors));
@@ -110,6 +111,8 @@ void add_routes(RequestRouter& router, Services& services) {
   router.add(annotation_routes(shared.annotations, shared.visits));
   router.add(preset_routes(shared.presets, picture.preset_pictures));
   router.add(report_routes(shared.reports));
+  router.add(study_routes(study.studies, study.participations, clock));
+  router.add(participant_routes(study.participations));
 }
 
 int serve(const Settings& settings, service::StopSignal& stop) {
@@ -149,7 +152,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
                           metrics.measured(request);
                           metrics.set_waiting(static_cast<double>(executor.waiting()));
                         }});
-  add_routes(router, services);
+  add_routes(router, services, clock);
 
   auto listener = Listener::open(router, executor, {.port = settings.api_port});
   if (!listener) return failed(listener.error(), kExitUnavailable);

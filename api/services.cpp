@@ -2,6 +2,7 @@
 
 #include "api/archive/zip_writer.h"
 #include "api/presets/preset_format.h"
+#include "api/studies/picture_check.h"
 #include "volume/store.h"
 #include "volume/volume.h"
 
@@ -105,13 +106,24 @@ PictureServices::PictureServices(const Backends& on, DataSets& data_sets, Preset
                return volume::remove_label_set(settings.volume_dir + "/" + id);
              }) {}
 
+StudyServices::StudyServices(const Backends& on, DataSets& data_sets, RenderTime& render_time)
+    : store(on.stores.database),
+      participant_store(on.stores.database),
+      analysis(on.settings.study_analysis_url),
+      exports(store, ZipWriter::create, on.settings.cache_dir),
+      studies(store, data_sets, on.placed, analysis, exports, check_picture, on.clock),
+      participations({store, participant_store, data_sets, on.stores.accounts, render_time,
+                      on.placed, on.clock},
+                     {}, scene_bytes) {}
+
 Services::Services(const Backends& on)
     : account(on),
       data_set(on),
       session(on, data_set.data_sets),
       privacy(on, account.accounts),
       shared(on, data_set.data_sets, session),
-      picture(on, data_set.data_sets, shared.presets, session.preset_store) {}
+      picture(on, data_set.data_sets, shared.presets, session.preset_store),
+      study(on, data_set.data_sets, session.render_time) {}
 
 std::string export_directory(const Settings& settings) { return settings.cache_dir + "/exports"; }
 

@@ -47,6 +47,10 @@
 #include "api/sharing/sharing_repository.h"
 #include "api/stream/worker_error_curves.h"
 #include "api/stream/worker_stills.h"
+#include "api/studies/analysis_client.h"
+#include "api/studies/participation.h"
+#include "api/studies/studies.h"
+#include "api/studies/study_repository.h"
 #include "common/clock.h"
 #include "directory/client.h"
 #include "directory/links.h"
@@ -162,6 +166,19 @@ struct PictureServices {
   ScanLabels labels;
 };
 
+/// Studies of perception and their participants.
+struct StudyServices {
+  StudyServices(const Backends& on, DataSets& data_sets, RenderTime& render_time);
+  StudyServices(const StudyServices&) = delete;
+
+  StudyRepository store;
+  ParticipantRepository participant_store;
+  AnalysisClient analysis;
+  StudyExports exports;
+  Studies studies;
+  Participations participations;
+};
+
 struct Services {
   explicit Services(const Backends& on);
 
@@ -171,6 +188,7 @@ struct Services {
   PrivacyServices privacy;
   SharedServices shared;
   PictureServices picture;
+  StudyServices study;
 };
 
 /// The directory of finished exports, which the reverse proxy sends.

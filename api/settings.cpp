@@ -71,6 +71,19 @@ void read_limits(ConfigReader& in, Settings& s) {
       << 20;
 }
 
+void read_analysis(ConfigReader& in, Settings& s) {
+  s.study_analysis_url =
+      in.text("study-analysis-url",
+              "origin of the service that analyses studies, such as http://127.0.0.1:8090; empty if "
+              "it is not installed",
+              "");
+  const bool origin = s.study_analysis_url.starts_with("http://") ||
+                      s.study_analysis_url.starts_with("https://");
+  if (!s.study_analysis_url.empty() && (!origin || s.study_analysis_url.ends_with('/'))) {
+    in.mistake("--study-analysis-url: must be an origin without a path, such as http://host:port");
+  }
+}
+
 void read_secrets(ConfigReader& in, Settings& s) {
   const std::string token_file =
       in.text("sample-token", "file with the token that allows uploading the public sample", "");
@@ -109,6 +122,7 @@ Settings read_settings(ConfigReader& in) {
   s.background = std::chrono::milliseconds(
       in.integer("background-ms", "maximum time between two runs of a background task, in ms", 50,
                  5000, 5000));
+  read_analysis(in, s);
   read_secrets(in, s);
   check_origin(in, s.public_url);
   return s;

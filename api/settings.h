@@ -26,6 +26,7 @@ struct Settings {
   std::int64_t export_total_bytes = 0;
   std::chrono::milliseconds background{5000};
   int visitor_percent = kVisitorPercent;
+  std::string study_analysis_url;  ///< of the analysis of studies; empty if it is not installed
   wire::InnerTls tls;
 };
 

@@ -28,6 +28,7 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
                              {"email", who.email},
                              {"csrf_token", who.csrf_token},
                              {"administrator", who.administrator || who.administrator_waits},
+                             {"researcher", who.researcher},
                              {"second_factor", who.second_factor},
                              {"consent", std::move(consent)},
                              {"quota", {{"bytes", quota->bytes}, {"used_bytes", quota->used}}},

@@ -53,6 +53,7 @@ struct SignedIn {
   Time used_at = {};
   bool second_factor = false;        ///< whether two-factor authentication is on
   std::string consent_version = {};  ///< of the privacy notice; empty without consent
+  bool researcher = false;
 };
 
 struct Quota {

@@ -30,6 +30,7 @@ struct Principal {
   /// is false.
   bool administrator_waits = false;
   bool consented = false;                  ///< to the current privacy notice
+  bool researcher = false;                 ///< has the role, with which they run studies
   Language language = Language::kEnglish;  ///< of the request, with or without an account
   Client client = {};                      ///< of the request, likewise
 };

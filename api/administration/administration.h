@@ -18,7 +18,7 @@ struct UserRecord {
   std::string id, email;
   Time created_at;
   std::optional<Time> used_at;  ///< last activity of a signed-in browser
-  bool verified = false, disabled = false, administrator = false;
+  bool verified = false, disabled = false, administrator = false, researcher = false;
   Quota storage;
   std::int64_t render_quota_ms = 0, render_used_ms = 0;  ///< device time this month
   int data_sets = 0;
@@ -26,7 +26,7 @@ struct UserRecord {
 
 struct UserChange {
   std::optional<std::int64_t> quota_bytes, render_quota_ms;
-  std::optional<bool> disabled;
+  std::optional<bool> disabled, researcher;
 };
 
 /// A user with the administrator role.
@@ -49,7 +49,8 @@ class AdministrationStore {
                                                 const std::optional<Cursor>& after, int limit,
                                                 Time now) = 0;
   virtual Result<std::optional<UserRecord>> user(const std::string& id, Time now) = 0;
-  /// Changes the account. Disabling it ends all its web sessions and deletes its email tokens.
+  /// Changes the account. Disabling it ends all its web sessions and deletes its email tokens. A
+  /// researcher who loses the role, or the account, has their open studies closed.
   /// Returns false if the account does not exist.
   virtual Result<bool> change(const std::string& administrator_id, const std::string& id,
                               const UserChange& change, Time now) = 0;

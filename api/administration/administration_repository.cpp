@@ -10,7 +10,8 @@ namespace {
 constexpr const char* kSelectUser = R"sql(
   SELECT u.id, u.email, (extract(epoch FROM u.created_at) * 1000000)::bigint AS created_us,
          (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id) AS used_us,
-         u.verified_at IS NOT NULL AS verified, u.disabled_at IS NOT NULL AS disabled, u.is_administrator, u.quota_bytes,
+         u.verified_at IS NOT NULL AS verified, u.disabled_at IS NOT NULL AS disabled, u.is_administrator,
+         u.is_researcher, u.quota_bytes,
          COALESCE((SELECT sum(COALESCE(d.volume_bytes, 0) + d.label_bytes + COALESCE(up.length, 0))
                             FILTER (WHERE d.state IN ('uploading', 'queued', 'building', 'ready'))
                      FROM data_sets d LEFT JOIN uploads up ON up.data_set_id = d.id
@@ -31,11 +32,25 @@ UserRecord read_user(const pqxx::row& row) {
   user.verified = row["verified"].as<bool>();
   user.disabled = row["disabled"].as<bool>();
   user.administrator = row["is_administrator"].as<bool>();
+  user.researcher = row["is_researcher"].as<bool>();
   user.storage = {row["quota_bytes"].as<std::int64_t>(), row["used_bytes"].as<std::int64_t>()};
   user.render_quota_ms = row["render_quota_ms"].as<std::int64_t>();
   user.render_used_ms = row["render_used_ms"].as<std::int64_t>();
   user.data_sets = row["data_sets"].as<int>();
   return user;
+}
+
+/// Closes the open studies of a researcher. The background task ends the sessions of participants.
+void close_studies(pqxx::work& transaction, const std::string& id, Time now) {
+  for (const pqxx::row& row : transaction.exec_params(
+           R"sql(
+           UPDATE studies SET state = 'closed', closed_at = to_timestamp($2::bigint / 1e6)
+            WHERE owner_id = $1::uuid AND state = 'open' RETURNING id)sql",
+           id, to_us(now))) {
+    note_in_audit_log(
+        transaction,
+        {AuditActor::kMachine, "", "study.closed", "study", row[0].as<std::string>(), {}}, now);
+  }
 }
 
 std::string text_or_empty(const pqxx::field& field) {
@@ -76,7 +91,7 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
                                               Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result before = transaction.exec_params(R"sql(
-        SELECT quota_bytes, render_quota_ms, disabled_at IS NOT NULL AS disabled FROM users
+        SELECT quota_bytes, render_quota_ms, disabled_at IS NOT NULL AS disabled, is_researcher FROM users
          WHERE id = $1::uuid FOR UPDATE)sql",
                                                         id);
     if (before.empty()) return false;
@@ -111,6 +126,14 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
         transaction.exec_params0("DELETE FROM email_tokens WHERE user_id = $1::uuid", id);
       }
       note(*change.disabled ? "account.disabled" : "account.enabled", {});
+    }
+    if (change.researcher && *change.researcher != before[0]["is_researcher"].as<bool>()) {
+      transaction.exec_params0("UPDATE users SET is_researcher = $2 WHERE id = $1::uuid", id,
+                               *change.researcher);
+      note(*change.researcher ? "researcher.granted" : "researcher.revoked", {});
+    }
+    if (change.disabled.value_or(false) || !change.researcher.value_or(true)) {
+      close_studies(transaction, id, now);
     }
     return true;
   });

@@ -52,18 +52,20 @@ Outcome<void> check_size(const Request& request) {
   return refuse(ProblemKind::kBodyTooLarge, "A preset may be at most 256 KB.");
 }
 
+Result<std::string> kept_scene(const nlohmann::json& given) {
+  if (!given.is_object()) return fail(ErrorCode::kInvalid, "must be an object", "");
+  const auto scene = scene::scene_from_json(given.dump());
+  DIAPHANE_TRY(scene);
+  return checked(*scene);
+}
+
 std::string read_scene(Fields& in) {
   const nlohmann::json& given = in.any("scene");
   if (given.is_null()) {
     if (in.has("scene")) in.wrong("scene", "must be an object");
     return {};
   }
-  if (!given.is_object()) {
-    in.wrong("scene", "must be an object");
-    return {};
-  }
-  const auto scene = scene::scene_from_json(given.dump());
-  auto kept = scene ? checked(*scene) : Result<std::string>(tl::unexpected(scene.error()));
+  auto kept = kept_scene(given);
   if (kept) return *std::move(kept);
   const std::string& field = kept.error().field;
   // The path of an unknown field is client input, so it is returned only if it can be a name.

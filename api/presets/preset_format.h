@@ -17,6 +17,8 @@ Outcome<void> check_size(const Request& request);
 /// Parses `scene` strictly and validates it like the stream does. Reports errors with their path
 /// ("scene.camera.eye.x"). Returns the JSON to store.
 std::string read_scene(Fields& in);
+/// The same for a value that is not a field of its own. The error's `field` is the path in the scene.
+Result<std::string> kept_scene(const nlohmann::json& given);
 /// Checks the optional field `version` of the format. Refuses a newer one.
 void read_format_version(Fields& in);
 /// Parses and validates an XML document. Fills name, scene, annotations and kept_xml.

@@ -52,6 +52,12 @@ ProblemForm form_of(ProblemKind kind) {
       return {"upload-expired", 410, "Upload expired"};
     case ProblemKind::kLinkExpired:
       return {"link-expired", 410, "Link expired"};
+    case ProblemKind::kStudyClosed:
+      return {"study-closed", 410, "Study closed"};
+    case ProblemKind::kStudyFull:
+      return {"study-full", 410, "Study full"};
+    case ProblemKind::kParticipationEnded:
+      return {"participation-ended", 410, "Participation ended"};
     case ProblemKind::kLocked:
       return {"locked", 423, "In use"};
     case ProblemKind::kChecksumMismatch:

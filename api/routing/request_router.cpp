@@ -121,8 +121,9 @@ bool is_header_text(const std::string& text) {
 
 /// Returns whether a route needs consent. Without it, users can still read and delete their data.
 bool needs_consent(const Route& route) {
-  const bool consenting =
-      route.access == Access::kPerson || route.access == Access::kPersonOrOperator;
+  const bool consenting = route.access == Access::kPerson ||
+                          route.access == Access::kPersonOrOperator ||
+                          route.access == Access::kResearcher;
   return consenting && !is_safe(route.method) && route.method != "DELETE";
 }
 
@@ -223,7 +224,7 @@ Outcome<Principal> RequestRouter::identify_bearer(const Route& route, const Requ
 Outcome<Principal> RequestRouter::identify(const Route& route, const Request& request,
                                            Accounts::Renewal renewal) const {
   DIAPHANE_TRY(check_origin(request));
-  if (route.access == Access::kAnyone) return Principal{};
+  if (route.access == Access::kAnyone || route.access == Access::kParticipant) return Principal{};
 
   if (!request.header("authorization").empty()) return identify_bearer(route, request, renewal);
   auto principal = accounts_.authenticate(token_of(request), renewal);
@@ -245,6 +246,10 @@ Outcome<Principal> RequestRouter::identify(const Route& route, const Request& re
   }
   if (route.access == Access::kAdministrator && !principal->administrator) {
     return refuse(ProblemKind::kForbidden, "Only administrators can do this.");
+  }
+  if (route.access == Access::kResearcher && !principal->researcher) {
+    return refuse(ProblemKind::kForbidden,
+                  "Only researchers can do this. An administrator can give you the role.");
   }
   return principal;
 }

@@ -20,10 +20,14 @@ namespace diaphane::api {
 /// scope permits the operation (token_scopes.h).
 enum class Access {
   kAnyone,            ///< ignores the cookie
+  /// Ignores the cookie. The body_check requires the key of a participant in a study, so a body may
+  /// be larger than kAnyoneBodyBytes.
+  kParticipant,
   kAnyoneOrPerson,    ///< works with the cookie or without an account
   kOwnAccount,        ///< requires the cookie, even before the consent to the privacy notice
   kPerson,            ///< requires the cookie and, except to read and delete, that consent
   kPersonOrOperator,  ///< as kPerson, or requires the sample token
+  kResearcher,        ///< as kPerson, and requires the researcher's role
   kAdministrator,     ///< requires the cookie of an administrator
 };
 
@@ -37,7 +41,7 @@ struct Route {
   Access access = Access::kPerson;
   Handler handler;
   std::vector<std::string> query;         ///< the allowed parameters
-  std::int64_t body_limit = 1024 * 1024;  ///< bytes; without a principal at most kAnyoneBodyBytes
+  std::int64_t body_limit = 1024 * 1024;  ///< bytes; for kAnyone at most kAnyoneBodyBytes
   /// Checks, with only the head of the request, whether a body of this size would be accepted. The
   /// edge calls it before it reads the body, and the handler checks again.
   std::function<Outcome<void>(const Request&, const Principal&, std::int64_t bytes)> body_check =

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "api/routing/request_router.h"
+#include "api/studies/participation.h"
+#include "api/studies/studies.h"
+
+/// The operations of api/openapi.yaml for this feature. Arguments passed by reference must outlive
+/// the routes.
+namespace diaphane::api {
+
+std::vector<Route> study_routes(Studies& studies, Participations& participations,
+                                const Clock& clock);
+std::vector<Route> participant_routes(Participations& participations);
+
+}  // namespace diaphane::api
