@@ -55,8 +55,8 @@ def made_up_study(page: Page, url: str, *steps: dict, pictures: tuple[str, ...] 
 def sent_answers(page: Page) -> list[dict]:
     """Collects the answers that the server acknowledges from now on."""
     answers: list[dict] = []
-    page.on("requestfinished", lambda request: answers.append(json.loads(request.post_data))
-            if request.url.endswith("/v1/study/answers") else None)
+    page.on("response", lambda response: answers.append(json.loads(response.request.post_data))
+            if response.url.endswith("/v1/study/answers") and response.ok else None)
     return answers
 
 
@@ -229,7 +229,7 @@ def test_a_latency_task_measures_each_delay_once(fake, visit):
             live(page)
             page.get_by_role("button", name="It faces me").click()
         page.get_by_label("No", exact=True).check()
-        page.get_by_text("7", exact=True).click()
+        page.get_by_label("7", exact=True).check()
         page.get_by_role("button", name="Continue").click()
     expect(page.get_by_role("heading", name="Thank you for taking part")).to_be_visible()
     trials = answers[0]["value"]["trials"]
@@ -277,7 +277,7 @@ def takes_part(page: Page, link: str, german: bool, pictures: Path) -> None:
     live(page)
     page.screenshot(path=pictures / f"study-rating-{name}.png")
     assert faults(page) == []
-    page.get_by_text("2", exact=True).click()
+    page.get_by_label("2", exact=True).check()
     page.get_by_role("button", name="Weiter" if german else "Continue").click()
     live(page)
     page.get_by_label("Knochen" if german else "Bone", exact=True).fill("#caa06a")
@@ -375,7 +375,7 @@ def test_an_administrator_grants_and_withdraws_the_role(stack: TestStack, visit)
     person.becomes_administrator()
     page.goto(f"{stack.url}/admin/users")
     page.get_by_label("Part of an email address").fill(person.email)
-    page.get_by_role("button", name="Search").click()
+    page.get_by_role("button", name="Search", exact=True).click()
     for action, shown in (("Make researcher", 1), ("Withdraw the researcher role", 0)):
         page.get_by_role("button", name=f"Edit {person.email}").click()
         page.get_by_role("button", name=action).click()
@@ -383,5 +383,5 @@ def test_an_administrator_grants_and_withdraws_the_role(stack: TestStack, visit)
         expect(page.locator(".chip", has_text=re.compile("^researcher$"))).to_have_count(shown)
         page.reload()
         page.get_by_label("Part of an email address").fill(person.email)
-        page.get_by_role("button", name="Search").click()
+        page.get_by_role("button", name="Search", exact=True).click()
         expect(page.get_by_role("link", name="Studies")).to_have_count(shown)

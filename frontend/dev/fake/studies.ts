@@ -1,4 +1,4 @@
-import { randomUUID } from "node:crypto";
+import { randomBytes, randomUUID } from "node:crypto";
 import type { ServerResponse } from "node:http";
 import type { JoinedStudy, StudyInfo } from "../../src/api/studies";
 import { hasView, type Definition, type StudyLanguage } from "../../src/studies/definition";
@@ -63,7 +63,7 @@ export function answerResearcher(
     study.info = { ...study.info, state: body().state };
     say(200, shown(study));
   } else if (more === "link") {
-    study.token = "ab".repeat(32);
+    study.token = randomBytes(32).toString("hex");
     say(200, { path: `/study#${study.token}` });
   } else if (more === "preview") {
     say(200, join(study, body().key, "en"));

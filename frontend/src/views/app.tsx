@@ -135,7 +135,7 @@ function scanPage(at: Route, me: Me): JSX.Element {
 function studyPage(at: Extract<Route, { page: "studies" | "study" | "preview" }>, me: Me): JSX.Element {
   if (!me.researcher || at.page === "studies") return framed(<Studies researcher={me.researcher} />);
   if (at.page === "preview") return <PreviewStudy key={at.studyId} studyId={at.studyId} />;
-  return framed(<StudyPage key={at.studyId} studyId={at.studyId} />);
+  return framed(<StudyPage studyId={at.studyId} />);
 }
 
 function AdminPage({ me, part }: { readonly me: Me; readonly part: AdminPart }) {

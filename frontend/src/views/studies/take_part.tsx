@@ -80,8 +80,10 @@ function useInvitation(token: string, wanted: boolean) {
 const isFinal = (thrown: unknown): boolean =>
   thrown instanceof ApiProblem && thrown.status >= 400 && thrown.status < 500 && ![408, 429].includes(thrown.status);
 
-const goneText = (thrown: unknown): string =>
-  thrown instanceof ApiProblem && thrown.status === 410 ? t.takePart.closed : t.takePart.gone;
+function goneText(thrown: unknown): string {
+  if (!(thrown instanceof ApiProblem) || thrown.status !== 410) return t.takePart.gone;
+  return thrown.kind === "study-full" ? t.takePart.full : t.takePart.closed;
+}
 
 /** Joins as a new participant, or after a reload as the one whose key this tab has kept. */
 function useJoining(token: string) {

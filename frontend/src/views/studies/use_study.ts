@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useState } from "preact/hooks";
+import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 import type { Study } from "../../api/studies";
 import { tab } from "../../storage";
 import { findingsOf } from "../../studies/check";
@@ -30,6 +30,8 @@ export function useStudy(studyId: string) {
   const [definition, setDefinition] = useState<Definition | null>(null);
   const [dirty, setDirty] = useState(false);
   const [fault, setFault] = useState("");
+  /** The study that is shown already when the page gets its address, after it was saved for the first time. */
+  const created = useRef("");
   const template = templateOf(studyId);
   const load = useCallback(async () => {
     const kept = keptDraft(studyId);
@@ -41,8 +43,9 @@ export function useStudy(studyId: string) {
     setDefinition(isFrozen ? first : (kept ?? first));
   }, [app, studyId, template]);
   useEffect(() => {
+    if (created.current === studyId) return;
     load().catch((thrown: unknown) => setFault(app.explain(thrown)));
-  }, [app, load]);
+  }, [app, load, studyId]);
   const change = (next: Definition) => {
     tab.setItem(draftKey(studyId), JSON.stringify(next));
     setDefinition(next);
@@ -57,6 +60,7 @@ export function useStudy(studyId: string) {
     setStudy(saved);
     setDefinition(saved.definition);
     setDirty(false);
+    created.current = saved.id;
     if (template) navigate(`/studies/${saved.id}`, true);
     return saved;
   };
