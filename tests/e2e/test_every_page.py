@@ -18,7 +18,7 @@ ADMINISTRATOR = "administrator"
 #: Each page once: as a visitor where visitors have something to see, and otherwise as an administrator, who sees the most.
 ONCE = "once"
 #: Pages for visitors. Users who are signed in see the same.
-PUBLIC = ("", "sign-in", "sign-up", "verify", "forgot", "reset", "confirm-email", "join", "shared", "privacy", "terms", "contact")
+PUBLIC = ("", "sign-in", "sign-up", "verify", "forgot", "reset", "confirm-email", "join", "shared", "study", "privacy", "terms", "contact")
 # A desktop at 200%, and at 400% as WCAG 1.4.10 requires.
 WINDOWS = ((720, 450), (320, 256))
 

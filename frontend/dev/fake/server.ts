@@ -4,8 +4,11 @@ import type { Duplex } from "node:stream";
 import type { Plugin, PreviewServer } from "vite";
 import { WebSocketServer } from "ws";
 import type { DataSet, Me } from "../../src/api/types";
+import { fromJson, type JsonValue } from "@bufbuild/protobuf";
+import { SceneSchema } from "../../src/protocol/gen/api/proto/scene_pb";
 import { draw } from "./picture";
 import { sceneNamed, serveStream, type FakeSession } from "./stream";
+import { answerParticipant, answerResearcher } from "./studies";
 
 /** What Vite's development and preview servers have in common. */
 interface Emitter {
@@ -17,6 +20,7 @@ const me: Me = {
   email: "anna@example.org",
   csrf_token: "0".repeat(64),
   administrator: false,
+  researcher: true,
   second_factor: false,
   consent: { version: "2026-11-27", given_at: "2026-11-26T00:00:00.000Z" },
   quota: { bytes: 20e9, used_bytes: 3.1e9 },
@@ -99,6 +103,22 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
   const problem = (status: number, type: string) =>
     say(status, { type: `urn:diaphane:problem:${type}`, title: type, status, request_id: "x" });
   const set = sets.find((one) => one.id === id);
+  if (kind === "studies") {
+    answerResearcher(request.method ?? "", [id, more, name], body, say, response);
+    return;
+  }
+  if (kind === "study") {
+    answerParticipant(id, body, say, response, (scene) => {
+      const session = randomUUID();
+      sessions.set(session, { scene: fromJson(SceneSchema, scene as JsonValue), inputSeq: 0n, epoch: 1n });
+      return { session_id: session, stream_url: `/stream?ticket=${session}`, expires_at: now() };
+    });
+    return;
+  }
+  if (kind === "perception") {
+    say(200, { comfort: null });
+    return;
+  }
   switch (`${request.method ?? ""} ${kind}`) {
     case "POST accounts":
       say(more === "" && id === "" ? 202 : 204);
@@ -130,6 +150,10 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
       }
       if (more === "export") {
         problem(404, "not-found"); // nothing was exported
+        return;
+      }
+      if (more === "presets") {
+        say(200, { items: [], next_cursor: null });
         return;
       }
       if (more !== "thumbnails") {

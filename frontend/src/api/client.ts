@@ -5,6 +5,7 @@ import { EnvironmentsApi } from "./environments";
 import { ScanExportsApi } from "./scan_exports";
 import { SecondFactorApi } from "./second_factor";
 import { PresetsApi, SharingApi } from "./sharing";
+import { StudiesApi } from "./studies";
 import { language } from "../texts";
 import type {
   AuditEntry,
@@ -163,7 +164,7 @@ export class Api {
 
   changeUser(
     id: string,
-    change: { quota_bytes?: number; render_quota_ms?: number; disabled?: boolean },
+    change: { quota_bytes?: number; render_quota_ms?: number; disabled?: boolean; researcher?: boolean },
   ): Promise<User> {
     return this.json("PATCH", `/v1/admin/users/${id}`, change);
   }
@@ -279,6 +280,7 @@ export class Api {
   readonly annotations = new AnnotationsApi((...call) => this.send(...call));
   readonly presets = new PresetsApi((...call) => this.send(...call));
   readonly environments = new EnvironmentsApi((...call) => this.send(...call));
+  readonly studies = new StudiesApi((...call) => this.send(...call));
 
   private known(me: Me): Me {
     this.token = me.csrf_token;

@@ -76,6 +76,25 @@ export function visitTicketSource(
   };
 }
 
+/** The part of the API that the pictures of a study's step need. */
+export interface StudyVisitApi {
+  visit(key: string, step: string, signal: AbortSignal): Promise<{ readonly stream_url: string }>;
+}
+
+/** Tickets for the pictures of one step of a study. They end with the study. */
+export function studyTicketSource(api: StudyVisitApi, key: string, step: string): TicketSource {
+  return async (signal) => {
+    try {
+      return { ok: true, url: (await api.visit(key, step, signal)).stream_url };
+    } catch (thrown) {
+      if (!(thrown instanceof ApiProblem)) throw thrown;
+      const gone = thrown.status === 410;
+      const why = gone ? { trouble: "link_ended" as const, final: true } : refusalOfGuest(thrown);
+      return { ok: false, ...why, retryAfterMs: thrown.retryAfterMs };
+    }
+  };
+}
+
 async function again(api: SessionApi, id: string, signal: AbortSignal): Promise<Stream | null> {
   try {
     return await api.createTicket(id, signal);

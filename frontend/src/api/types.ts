@@ -6,6 +6,8 @@ export interface Me {
   readonly csrf_token: string;
   /** Whether the account has the role. It is usable only with a second factor. */
   readonly administrator: boolean;
+  /** Whether the account may run studies. */
+  readonly researcher: boolean;
   /** Whether signing in requires a code. */
   readonly second_factor: boolean;
   /** Consent to the processing of health data, null until it is given to this version of the privacy notice. */
@@ -50,6 +52,7 @@ export interface User {
   readonly verified: boolean;
   readonly disabled: boolean;
   readonly administrator: boolean;
+  readonly researcher: boolean;
   readonly quota: { readonly bytes: number; readonly used_bytes: number };
   readonly render_time: { readonly quota_ms: number; readonly used_ms: number };
   readonly data_sets: number;

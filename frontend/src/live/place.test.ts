@@ -1,7 +1,7 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import { ApiProblem } from "../api/client";
-import { guestTicketSource } from "../api/ticket_source";
+import { guestTicketSource, studyTicketSource } from "../api/ticket_source";
 import { AudienceSchema } from "../protocol/gen/api/proto/stream_pb";
 import { newGuest, rememberedGuest } from "./place";
 import { roleOf } from "./role";
@@ -39,6 +39,17 @@ describe("a guest", () => {
     );
     expect(await joined(signal)).toEqual({ ok: true, url: `${token},k,Ann` });
   });
+});
+
+it("a participant's picture ends with the study, and waits for a free place", async () => {
+  const signal = new AbortController().signal;
+  const refused = (status: number, kind: string) =>
+    studyTicketSource({ visit: () => Promise.reject(new ApiProblem(status, kind, "", [], 2000)) }, "k", "a")(signal);
+  expect(await refused(410, "gone")).toMatchObject({ ok: false, trouble: "link_ended", final: true });
+  expect(await refused(503, "no-worker")).toMatchObject({ ok: false, trouble: "no_worker", retryAfterMs: 2000 });
+  expect(await refused(0, "offline")).toMatchObject({ ok: false, trouble: "unreachable", final: false });
+  const visit = (key: string, step: string) => Promise.resolve({ stream_url: `${key}/${step}` });
+  expect(await studyTicketSource({ visit }, "k", "a")(signal)).toEqual({ ok: true, url: "k/a" });
 });
 
 describe("the role", () => {

@@ -2,7 +2,8 @@ import type { AnnotationSet } from "../api/annotations";
 import type { Api } from "../api/client";
 import { randomKey } from "../api/random_key";
 import { guestTicketSource, sessionTicketSource, visitTicketSource } from "../api/ticket_source";
-import type { TicketSource } from "../protocol/stream_client";
+import type { Scene } from "../protocol/messages";
+import type { OpenSocket, TicketSource } from "../protocol/stream_client";
 
 /** The source of a viewer's pictures, and the key under which the page remembers the view. */
 export interface Place {
@@ -13,6 +14,10 @@ export interface Place {
   readonly pictured_id: string | null;
   /** Whether this is a visit, which is over when its session is. */
   readonly isVisit: boolean;
+  /** Returns the scene to begin with, in place of the server's. */
+  readonly firstScene?: (scene: Scene) => Scene;
+  /** Opens the stream in place of the browser's WebSocket. */
+  readonly openSocket?: OpenSocket;
   /**
    * Lists the saved marks. Null if this person gets none; a guest of a live session sees those that
    * its participants show.

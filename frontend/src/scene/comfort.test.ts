@@ -1,8 +1,8 @@
 import { create } from "@bufbuild/protobuf";
-import { describe, expect, it } from "vitest";
+import { afterEach, describe, expect, it } from "vitest";
 import { ChannelSchema, LabelLookSchema, type Rgb, type Scene } from "../protocol/gen/api/proto/scene_pb";
 import { hexOf, rgb, rgbOf } from "./colour";
-import { comfortable, comfortOf, hasComfort, originalsOf, setComfort } from "./comfort";
+import { comfortable, comfortOf, hasComfort, originalsOf, setAdoptedComfort, setComfort } from "./comfort";
 import { someScene } from "./testing";
 import { transferOf } from "./transfer";
 
@@ -73,5 +73,19 @@ describe("comfort", () => {
     expect(hasComfort(lookOf(channel("bone", rgbOf("#112233"))), originals)).toBe(false);
     expect(hasComfort(lookOf(skin), originals)).toBe(false);
     expect(hasComfort(lookOf(skin, { ...bone, disabled: true }), originals)).toBe(false);
+  });
+});
+
+describe("the comfort that a study of this installation has found", () => {
+  afterEach(() => setAdoptedComfort(null));
+
+  it("replaces the published differences, until it is dropped", () => {
+    const [reference, published] = [rgbOf("#fb0404"), "#fd1924"];
+    expect(hexOf(comfortable(reference, "blood", 1))).toBe(published);
+    setAdoptedComfort({ bone: [0, 0, 0], blood: [-20, 40, 10] });
+    expect(hexOf(comfortable(reference, "blood", 1))).toBe("#e72c0e"); // (231, 44, 14)
+    expect(hexOf(comfortable(rgbOf("#e8ba94"), "bone", 1))).toBe("#e8ba94");
+    setAdoptedComfort(null);
+    expect(hexOf(comfortable(reference, "blood", 1))).toBe(published);
   });
 });

@@ -12,11 +12,21 @@ export const comfortLimits: Limits = { low: -2, high: 2 };
 
 type Material = "bone" | "blood";
 
-/** The changes of the colours for a comfort of 1: red, green and blue, of 255 (thesis, table 1, weighted difference). */
-export const weightedDifferences: Readonly<Record<Material, readonly [number, number, number]>> = {
+/** The changes of the colours for a comfort of 1: red, green and blue, of 255. */
+export type ComfortDifferences = Readonly<Record<Material, readonly [number, number, number]>>;
+
+/** The published changes (thesis, table 1, weighted difference). */
+export const weightedDifferences: ComfortDifferences = {
   bone: [-30, 7, 6],
   blood: [34, 21, 32],
 };
+
+let differences = weightedDifferences;
+
+/** Uses the changes that a study of this installation has found, or else the published ones. */
+export function setAdoptedComfort(adopted: ComfortDifferences | null): void {
+  differences = adopted ? { bone: adopted.bone, blood: adopted.blood } : weightedDifferences;
+}
 
 /** The materials of the looks (renderd/scene/presets.cpp) that contain bone, or are red from blood. */
 const materials: Readonly<Record<string, Material>> = {
@@ -42,7 +52,7 @@ const boneReference = { red: 232, green: 186, blue: 148 };
  * bone green, so they apply in proportion to the differences between the components: red never falls below green.
  */
 function changedBone([red, green, blue]: Components, by: number): Components {
-  const [dr, dg, db] = weightedDifferences.bone;
+  const [dr, dg, db] = differences.bone;
   const of = boneReference;
   const most = (dr - dg) / (of.red - of.green); // change of red over green for a comfort of 1, negative
   const over = red - green;
@@ -60,7 +70,7 @@ const changedBy = (of: number, change: number, by: number): number =>
 /** Returns a colour changed by a comfort. */
 export function comfortable(colour: Rgb, material: Material, by: number): Rgb {
   if (by === 0) return colour;
-  const [dr, dg, db] = weightedDifferences.blood;
+  const [dr, dg, db] = differences.blood;
   const [red, green, blue] = components(colour);
   const [r, g, b] =
     material === "bone"

@@ -1,6 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { de } from "./de";
+import { studyTemplates as germanTemplates } from "./de/study_templates";
 import { en } from "./en/en";
+import { studyTemplates as englishTemplates } from "./en/study_templates";
 
 type Node = Readonly<Record<string, unknown>>;
 const isNode = (value: unknown): value is Node => typeof value === "object" && value !== null;
@@ -21,6 +23,11 @@ function texts(value: unknown, path = ""): [string, string][] {
 describe("the German catalogue", () => {
   it("has the same keys as the English one, also where the keys are data", () => {
     expect(shape(de)).toEqual(shape(en));
+  });
+  it("has the same texts for new studies as the English one, and none that is still English", () => {
+    expect(shape(germanTemplates)).toEqual(shape(englishTemplates));
+    const said = new Map(texts(englishTemplates));
+    expect(texts(germanTemplates).filter(([path, text]) => text === "" || text === said.get(path))).toEqual([]);
   });
   it("has no empty text where English has one", () => {
     const said = new Map(texts(en));

@@ -23,7 +23,9 @@ import { secondFactor } from "./de/second_factor";
 import { settings } from "./de/settings";
 import { sharing } from "./de/sharing";
 import { slices } from "./de/slices";
+import { studies } from "./de/studies";
 import { take } from "./de/take";
+import { takePart } from "./de/take_part";
 import { titles } from "./de/titles";
 import { viewer } from "./de/viewer";
 
@@ -53,7 +55,9 @@ export const de: Texts = {
   settings,
   sharing,
   slices,
+  studies,
   take,
+  takePart,
   titles,
   viewer,
 };

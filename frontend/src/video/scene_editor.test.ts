@@ -43,6 +43,34 @@ beforeEach(() => {
   });
 });
 
+describe("a session that begins with another scene than the server's", () => {
+  const other = seenFrom(vec3(300, 0, 0))(someScene());
+  const eyeOf = (scene: Scene | null | undefined) => scene && cameraOf(scene)?.eye;
+  const parts = () => ({
+    leads: () => leads,
+    canvasSize: () => size,
+    send: (scene: Scene, rest: boolean) => sent.push({ scene, rest }),
+    rest: () => undefined,
+  });
+
+  it("sends it before anything is shown, and resets the camera to it", () => {
+    const begun = new SceneEditor({ ...parts(), firstScene: () => other });
+    const config = create(ConfigSchema, { scene: someScene(), presets: [preset("bone")] });
+    expect(begun.configured(config, true)).toBe(true);
+    expect(eyeOf(sent.at(-1)?.scene)).toEqual(eyeOf(other));
+    begun.act(orbit);
+    begun.resetCamera();
+    expect(eyeOf(begun.scene.value)).toEqual(eyeOf(other));
+  });
+
+  it("keeps what the user has changed since, after a reconnection", () => {
+    const begun = new SceneEditor({ ...parts(), firstScene: () => other });
+    const config = create(ConfigSchema, { scene: someScene(), presets: [] });
+    expect(begun.configured(config, false)).toBe(false);
+    expect(sent).toEqual([]);
+  });
+});
+
 describe("SceneEditor.configured", () => {
   it("takes the scene and the presets without sending anything back", () => {
     begin();

@@ -26,6 +26,8 @@ export interface EditorParts {
   readonly send: (scene: Scene, rest: boolean) => void;
   /** Reports that the last edit is finished. */
   readonly rest: () => void;
+  /** Returns the scene to begin with in place of the server's, as presets keep it, or null. */
+  readonly firstScene?: (scene: Scene) => Scene | null;
 }
 
 /** Saved scenes are framed for this shape, and for every wider one: the camera's field of view is vertical. */
@@ -61,7 +63,7 @@ export class SceneEditor {
 
   /**
    * Takes over the scene of a new connection. `untouched` means that nobody has edited the scene of
-   * this session yet. Returns whether it was edited here, to fit into a narrow window.
+   * this session yet. Returns whether it was edited here, to fit into a narrow window or to begin with another one.
    */
   configured(config: Config, untouched: boolean): boolean {
     this.presets.value = config.presets;
@@ -69,6 +71,12 @@ export class SceneEditor {
     if (!before || !config.scene || !sameScene(before, config.scene)) this.forgetSteps(); // the scene was changed elsewhere
     this.scene.value = config.scene ?? null;
     if (untouched) this.begun.value = config.scene ?? null;
+    const first = (untouched && config.scene && this.parts.firstScene?.(config.scene)) ?? null;
+    if (first) {
+      this.begun.value = first;
+      this.setScene(this.framed(first), null, true);
+      return true;
+    }
     const { width, height } = this.parts.canvasSize();
     const home = untouched && width < height ? this.home() : null;
     if (!home || !config.scene) return false;

@@ -13,6 +13,8 @@ export interface RememberedView {
 }
 
 type Store = Pick<Storage, "getItem" | "setItem">;
+export const marksKey = (dataSetId: string): string => `diaphane.marks.${dataSetId}`;
+export const slicesKey = (dataSetId: string): string => `diaphane.slices.${dataSetId}`;
 const keyOf = (dataSetId: string) => `diaphane.view.${dataSetId}`;
 const stepsKeyOf = (dataSetId: string) => `diaphane.steps.${dataSetId}`;
 
@@ -49,6 +51,11 @@ export function rememberView(store: Store, dataSetId: string, view: RememberedVi
   } catch {
     // The storage is full or not allowed, so the view starts again after a reload.
   }
+}
+
+/** Forgets a view, with its marks and slices. */
+export function forgetView(store: Pick<Storage, "removeItem">, dataSetId: string): void {
+  for (const key of [keyOf, stepsKeyOf, marksKey, slicesKey]) store.removeItem(key(dataSetId));
 }
 
 /** The last content of each store, because views are remembered several times per second. */

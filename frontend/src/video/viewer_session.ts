@@ -49,7 +49,7 @@ import { PictureStore } from "./picture_store";
 import { SceneEditor } from "./scene_editor";
 import { GuidedCamera } from "./guided_camera";
 import { problemText, sliceAccess } from "./session_reports";
-import { rememberView, rememberedView } from "./view_memory";
+import { marksKey, rememberView, rememberedView, slicesKey } from "./view_memory";
 
 /** The browser's storage for the user's preferences. */
 export type Preferences = Pick<Storage, "getItem" | "setItem">;
@@ -60,8 +60,6 @@ const longestSide = 4096;
 const rememberedEveryMs = 250;
 const curveWithinMs = 2000;
 const curveEveryMs = 400;
-const marksKey = (key: string) => `diaphane.marks.${key}`;
-const slicesKey = (key: string) => `diaphane.slices.${key}`;
 
 /** One viewer's connection to a data set, with its pictures and the editor of its scene. Independent of any view. */
 export class ViewerSession {
@@ -106,6 +104,7 @@ export class ViewerSession {
       this.rememberSoon();
     },
     rest: () => this.client.rest(),
+    firstScene: (scene) => this.place.firstScene?.(scene) ?? null,
   });
 
   /** Standard views and "Show me around". */
@@ -153,7 +152,7 @@ export class ViewerSession {
     this.client = new StreamClient(
       {
         ticketSource: place.ticketSource(before.session_id, (id) => (this.currentSessionId = id)),
-        openSocket: place.isVisit ? forVisit(openBrowserSocket) : openBrowserSocket,
+        openSocket: place.openSocket ?? (place.isVisit ? forVisit(openBrowserSocket) : openBrowserSocket),
         nextFrame: (task) => requestAnimationFrame(task),
         after,
         chance: Math.random,
@@ -229,6 +228,10 @@ export class ViewerSession {
   /** Returns the size of the canvas in device pixels. */
   get viewport(): Viewport {
     return this.canvasSize;
+  }
+
+  get newestInput(): number {
+    return this.client.inputSeq;
   }
 
   handOver(to: string): void {

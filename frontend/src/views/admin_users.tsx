@@ -92,10 +92,11 @@ function UserTable({ users, change }: UserTableProps) {
 }
 
 function States({ user }: { readonly user: User }) {
-  const plain = user.verified && !user.disabled && !user.administrator;
+  const plain = user.verified && !user.disabled && !user.administrator && !user.researcher;
   return (
     <span class="chips">
       {user.administrator ? <span class="chip chip-accent">{t.admin.administrator}</span> : null}
+      {user.researcher ? <span class="chip chip-accent">{t.admin.researcher}</span> : null}
       {user.disabled ? <span class="chip chip-refused">{t.admin.disabled}</span> : null}
       {user.verified ? null : <span class="chip">{t.admin.notVerified}</span>}
       {plain ? <span class="chip chip-good">{t.admin.active}</span> : null}
@@ -115,13 +116,21 @@ interface UserDialogProps {
 /** The limits of an account, and whether it is enabled. */
 function UserDialog({ user, onClose }: UserDialogProps) {
   const app = useApp();
-  const { gb, setGb, hours, setHours, faults, busy, save, setDisabled } = useUserForm(user, () => onClose(true));
+  const { gb, setGb, hours, setHours, faults, busy, save, setDisabled, setResearcher } = useUserForm(user, () =>
+    onClose(true),
+  );
   return (
     <Dialog title={user.email} onClose={() => onClose(false)}>
       <Form onSubmit={save} busy={busy} label={t.admin.save} {...fault(faults.form)}>
         <Field label={t.admin.quotaGb} value={gb} onInput={setGb} {...fault(faults.quota_bytes)} />
         <Field label={t.admin.renderHours} value={hours} onInput={setHours} {...fault(faults.render_quota_ms)} />
       </Form>
+      <p class="muted">{t.admin.researcherText}</p>
+      <p>
+        <button type="button" class="button" disabled={busy} onClick={() => void setResearcher(!user.researcher)}>
+          {user.researcher ? t.admin.withdrawResearcher : t.admin.makeResearcher}
+        </button>
+      </p>
       {user.id === app.me.value?.id ? null : (
         <>
           {user.disabled ? null : <p class="muted">{t.admin.switchOffText}</p>}
@@ -189,5 +198,7 @@ function useUserForm(user: User, onChanged: () => void) {
     if (storage === null || time === null) return;
     await send({ quota_bytes: Math.round(storage * gigabyte), render_quota_ms: Math.round(time * hourMs) });
   };
-  return { gb, setGb, hours, setHours, faults, busy, save, setDisabled: (disabled: boolean) => send({ disabled }) };
+  const setDisabled = (disabled: boolean) => send({ disabled });
+  const setResearcher = (researcher: boolean) => send({ researcher });
+  return { gb, setGb, hours, setHours, faults, busy, save, setDisabled, setResearcher };
 }

@@ -18,6 +18,11 @@ import { Link, navigate, route } from "./router";
 import type { AdminPart, Route } from "./routes";
 import { Reports } from "./reports";
 import { Scans } from "./scans";
+import { PreviewStudy } from "./studies/preview";
+import { Studies } from "./studies/studies";
+import { StudyPage } from "./studies/study_page";
+import { TakePartByLink } from "./studies/take_part";
+import { Withdraw } from "./studies/withdraw";
 import { SecondFactorFirst } from "./second_factor";
 import { Notice, PageTitle, Shell } from "./shell";
 import { SharedByLink, SharedSample } from "./shared";
@@ -65,6 +70,10 @@ function linkedPage(at: Route): JSX.Element | null {
       return <Join key={at.token} token={at.token} />;
     case "shared":
       return <SharedByLink key={at.token} token={at.token} />;
+    case "take_part":
+      return <TakePartByLink key={at.token} token={at.token} />;
+    case "withdraw":
+      return <Withdraw key={at.key} participant={at.key} />;
     default:
       return null;
   }
@@ -114,9 +123,19 @@ function scanPage(at: Route, me: Me): JSX.Element {
       return framed(<Reports />);
     case "scans":
       return framed(<Scans />);
+    case "studies":
+    case "study":
+    case "preview":
+      return studyPage(at, me);
     default:
       return <Elsewhere />;
   }
+}
+
+function studyPage(at: Extract<Route, { page: "studies" | "study" | "preview" }>, me: Me): JSX.Element {
+  if (!me.researcher || at.page === "studies") return framed(<Studies researcher={me.researcher} />);
+  if (at.page === "preview") return <PreviewStudy key={at.studyId} studyId={at.studyId} />;
+  return framed(<StudyPage studyId={at.studyId} />);
 }
 
 function AdminPage({ me, part }: { readonly me: Me; readonly part: AdminPart }) {

@@ -31,3 +31,16 @@ test("the front page has its own route", () => {
   expect(routeOf("/", "")).toEqual({ page: "home" });
   expect(routeOf("/scans", "")).toEqual({ page: "scans" });
 });
+
+test("a study has a page for researchers and others for participants", () => {
+  const secret = "0f".repeat(32);
+  const id = "0123abcd-0000-4000-8000-000000000000";
+  expect(routeOf("/studies", "")).toEqual({ page: "studies" });
+  expect(routeOf("/studies/comfort", "")).toEqual({ page: "study", studyId: "comfort" });
+  expect(routeOf(`/studies/${id}`, "")).toEqual({ page: "study", studyId: id });
+  expect(routeOf(`/studies/${id}`, "#preview")).toEqual({ page: "preview", studyId: id });
+  expect(routeOf("/studies/nothing", "")).toEqual({ page: "not_found" });
+  expect(routeOf("/study", `#${secret}`)).toEqual({ page: "take_part", token: secret });
+  expect(routeOf("/study", `#withdraw:${secret}`)).toEqual({ page: "withdraw", key: secret });
+  expect(routeOf("/study", "#withdraw:short")).toEqual({ page: "not_found" });
+});

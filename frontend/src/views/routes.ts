@@ -1,5 +1,7 @@
 /** The URL of each page, as plain data, so that tests can visit all pages. */
 
+import { templates } from "../studies/definition";
+
 export type Route =
   | {
       readonly page:
@@ -8,7 +10,13 @@ export type Route =
   | { readonly page: "admin"; readonly part: AdminPart }
   | { readonly page: "legal"; readonly legal: LegalPage }
   | { readonly page: "verify" | "join" | "shared" | "reset" | "confirm_email"; readonly token: string }
-  | { readonly page: "view" | "sample" | "cut"; readonly dataSetId: string };
+  | { readonly page: "view" | "sample" | "cut"; readonly dataSetId: string }
+  | { readonly page: "studies" }
+  /** The composer. Before a study is saved for the first time, its ID is that of its template. */
+  | { readonly page: "study" | "preview"; readonly studyId: string }
+  /** The page of a participant. */
+  | { readonly page: "take_part"; readonly token: string }
+  | { readonly page: "withdraw"; readonly key: string };
 
 export const adminParts = ["users", "audit", "fleet"] as const;
 export type AdminPart = (typeof adminParts)[number];
@@ -26,6 +34,9 @@ interface Rest {
 
 const id = /^[0-9a-f-]{36}$/;
 const secret = /^[0-9a-f]{64}$/;
+
+/** The fragment of a link with which a participant deletes their answers begins with this. */
+export const withdrawal = "withdraw:";
 
 const tokenIn = (hash: string): string => new URLSearchParams(hash).get("token") ?? "";
 
@@ -57,6 +68,18 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   contact: () => ({ page: "legal", legal: "contact" }),
   cut: ({ second }) => (id.test(second) ? { page: "cut", dataSetId: second } : null),
   reports: () => ({ page: "reports" }),
+  studies: ({ second, hash }) => {
+    if (second === "") return { page: "studies" };
+    if (hash === "preview" && id.test(second)) return { page: "preview", studyId: second };
+    return id.test(second) || (templates as readonly string[]).includes(second)
+      ? { page: "study", studyId: second }
+      : null;
+  },
+  study: ({ hash }) => {
+    if (secret.test(hash)) return { page: "take_part", token: hash };
+    const key = hash.startsWith(withdrawal) ? hash.slice(withdrawal.length) : "";
+    return secret.test(key) ? { page: "withdraw", key } : null;
+  },
   view: ({ second }) => (id.test(second) ? { page: "view", dataSetId: second } : null),
 };
 

@@ -24,7 +24,7 @@ export function ThemeSwitch() {
  * The choice of the language. Each is listed under its native name, so that people find theirs in
  * any language.
  */
-function LanguageChoice() {
+export function LanguageChoice() {
   return (
     <label class="language">
       <span>{t.language}</span>
@@ -94,7 +94,7 @@ export function Shell({ children }: { readonly children: ComponentChildren }) {
 }
 
 /** A link that skips the navigation, for keyboard users. */
-function SkipLink() {
+export function SkipLink() {
   return (
     <a
       class="skip"
@@ -127,6 +127,11 @@ function BarNav({ me }: { readonly me: Me | null | undefined }) {
       <Link href="/gallery" current={page === "gallery"}>
         {t.sharing.gallery.nav}
       </Link>
+      {me?.researcher ? (
+        <Link href="/studies" current={["studies", "study"].includes(page)}>
+          {t.studies.nav}
+        </Link>
+      ) : null}
       {me?.administrator ? (
         <Link href="/admin" current={["admin", "reports"].includes(page)}>
           {t.nav.admin}

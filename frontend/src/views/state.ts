@@ -4,6 +4,7 @@ import { useContext } from "preact/hooks";
 import { Api, ApiProblem } from "../api/client";
 import type { Me } from "../api/types";
 import { Uploads } from "../api/uploads";
+import { setAdoptedComfort } from "../scene/comfort";
 import { tab } from "../storage";
 import { t } from "../texts";
 import { problemText } from "../texts/problem_text";
@@ -28,12 +29,23 @@ export class AppState {
   async load(): Promise<void> {
     clearTimeout(this.again);
     try {
-      this.me.value = await this.api.me();
+      const [me] = await Promise.all([this.api.me(), this.loadPerception()]);
+      this.me.value = me;
       this.unreachable.value = false;
     } catch {
       this.unreachable.value = true;
       this.again = setTimeout(() => void this.load(), askedAgainAfterMs);
     }
+  }
+
+  /** Loads what studies of this installation have found. Without an answer, the published values stay. */
+  private async loadPerception(): Promise<void> {
+    setAdoptedComfort(
+      await this.api.studies.perception().then(
+        ({ comfort }) => comfort,
+        () => null,
+      ),
+    );
   }
 
   signedIn(me: Me): void {

@@ -18,6 +18,11 @@ export const admin: Texts["admin"] = {
   notVerified: "E-Mail nicht bestätigt",
   disabled: "gesperrt",
   administrator: "Administratorrechte",
+  researcher: "Forschung",
+  makeResearcher: "Rolle „Forschung“ geben",
+  withdrawResearcher: "Rolle „Forschung“ entziehen",
+  researcherText:
+    "Forschende können Studien mit Teilnehmenden durchführen. Wenn Sie die Rolle entziehen, schließen ihre offenen Studien.",
   active: "aktiv",
   never: "abgemeldet",
   change: "Bearbeiten",

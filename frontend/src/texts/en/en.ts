@@ -22,7 +22,9 @@ import { secondFactor } from "./second_factor";
 import { settings } from "./settings";
 import { sharing } from "./sharing";
 import { slices } from "./slices";
+import { studies } from "./studies";
 import { take } from "./take";
+import { takePart } from "./take_part";
 import { titles } from "./titles";
 import { viewer } from "./viewer";
 
@@ -52,7 +54,9 @@ export const en = {
   settings,
   sharing,
   slices,
+  studies,
   take,
+  takePart,
   titles,
   viewer,
 } as const;

@@ -1,0 +1,42 @@
+import { useState } from "preact/hooks";
+import type { Ending } from "../../studies/participation";
+import { t } from "../../texts";
+import { CopyField } from "../copy_field";
+import { withdrawal } from "../routes";
+import { PageTitle } from "../shell";
+import { StudyMessage } from "./study_frame";
+
+/** The end of a participation. Unless the answers are deleted, it shows the link that deletes them. */
+export function EndPage({ ending, participant }: { readonly ending: Ending; readonly participant: string }) {
+  const [told, setTold] = useState("");
+  const text = t.takePart;
+  const [title, words] = {
+    finished: [text.thanks, text.thanksText],
+    kept: [text.keptTitle, text.keptText],
+    over: [text.overTitle, text.overText],
+    deleted: [text.deletedTitle, text.deletedText],
+  }[ending] as [string, string];
+  const link = `${location.origin}/study#${withdrawal}${participant}`;
+  const copy = () => {
+    navigator.clipboard.writeText(link).then(
+      () => setTold(text.copied),
+      () => setTold(text.copyFailed),
+    );
+  };
+  return (
+    <StudyMessage>
+      <PageTitle text={title} />
+      <p class="lead">{words}</p>
+      {ending === "deleted" ? null : (
+        <section class="share-part" aria-label={text.withdrawLink}>
+          <h2>{text.withdrawLink}</h2>
+          <p>{text.withdrawHint}</p>
+          <CopyField value={link} label={text.withdrawLink} button={text.copy} onCopy={copy} />
+          <p class="muted" role="status">
+            {told}
+          </p>
+        </section>
+      )}
+    </StudyMessage>
+  );
+}

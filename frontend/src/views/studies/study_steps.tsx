@@ -1,0 +1,155 @@
+import { useEffect, useState } from "preact/hooks";
+import { hasView, textIn, type Answer, type Step } from "../../studies/definition";
+import type { Ending, Participation } from "../../studies/participation";
+import { language, t } from "../../texts";
+import { Dialog } from "../dialog";
+import { Notice, PageTitle } from "../shell";
+import { useAct } from "../use_act";
+import { StepPage } from "./step_page";
+import { StudyFrame, StudyMessage } from "./study_frame";
+
+export interface StudyStepsProps {
+  readonly participation: Participation;
+  readonly end: (ending: Ending) => void;
+  /** Set in a preview, which is left in place of being stopped. */
+  readonly leave?: () => void;
+}
+
+/** Leads a participant through the steps. There is no way back to an answered step. */
+export function StudySteps({ participation, end, leave }: StudyStepsProps) {
+  const [stopping, setStopping] = useState(false);
+  const { queue, joined } = participation;
+  useQueue(participation, end);
+  const step = participation.current();
+  const title = textIn(joined.definition.title, language.value);
+  const tools = (
+    <button type="button" class="button button-small" onClick={() => (leave ? leave() : setStopping(true))}>
+      {leave ? t.takePart.previewEnd : t.takePart.stop}
+    </button>
+  );
+  const dialog = stopping ? (
+    <StopDialog participation={participation} onClose={() => setStopping(false)} end={end} />
+  ) : null;
+  if (!step)
+    return (
+      <StudyMessage>
+        <PageTitle text={title.text} />
+        <QueueNotices queue={queue} />
+        <p role="status">{t.takePart.finishing}</p>
+      </StudyMessage>
+    );
+  const answer = (value: Answer, durationMs: number) => participation.answer(step, value, durationMs);
+  return (
+    <StudyFrame filled={hasView(step) && step.view !== undefined} tools={tools}>
+      <Progress participation={participation} title={title} step={step} />
+      {leave ? <Notice kind="info">{t.takePart.preview}</Notice> : null}
+      <QueueNotices queue={queue} />
+      <StepPage key={step.id} step={step} participation={participation} answer={answer} />
+      {dialog}
+    </StudyFrame>
+  );
+}
+
+/** Sends what is pending, also when the network is back, and ends the participation after the last step. */
+function useQueue(participation: Participation, end: (ending: Ending) => void): void {
+  const { queue } = participation;
+  const isLast = participation.current() === null;
+  const isOver = queue.over.value;
+  useEffect(() => {
+    const wake = () => queue.wake();
+    wake();
+    addEventListener("online", wake);
+    return () => removeEventListener("online", wake);
+  }, [queue]);
+  useEffect(() => {
+    if (isOver) end("over");
+    // eslint-disable-next-line react-hooks/exhaustive-deps -- `end` is new in each render
+  }, [isOver]);
+  useEffect(() => {
+    if (!isLast) return;
+    let here = true;
+    const finish = async (): Promise<void> => {
+      try {
+        await participation.finish();
+        if (here && !queue.over.value) end("finished");
+      } catch (thrown) {
+        if (!here) return;
+        if (participation.isOver(thrown)) end("over");
+        else setTimeout(() => void finish(), finishedAgainMs);
+      }
+    };
+    void finish();
+    return () => {
+      here = false;
+    };
+    // eslint-disable-next-line react-hooks/exhaustive-deps -- `end` is new in each render
+  }, [isLast, participation]);
+}
+
+const finishedAgainMs = 3000;
+
+interface ProgressProps {
+  readonly participation: Participation;
+  readonly title: { readonly text: string; readonly lang: string };
+  readonly step: Step;
+}
+
+function Progress({ participation, title, step }: ProgressProps) {
+  const all = participation.steps.length;
+  const at = participation.steps.indexOf(step) + 1;
+  const text = t.takePart.progress(at, all);
+  return (
+    <div class="study-progress">
+      <div lang={title.lang}>
+        <PageTitle text={title.text} first={participation.answered() === 0} />
+      </div>
+      <p role="status">{text}</p>
+      <progress aria-label={text} max={all} value={participation.answered()} />
+    </div>
+  );
+}
+
+function QueueNotices({ queue }: { readonly queue: Participation["queue"] }) {
+  return (
+    <>
+      {queue.waiting.value ? <Notice kind="info">{t.takePart.waiting}</Notice> : null}
+      {queue.refused.value.length > 0 ? <Notice kind="warn">{t.takePart.refused}</Notice> : null}
+    </>
+  );
+}
+
+interface StopDialogProps {
+  readonly participation: Participation;
+  readonly onClose: () => void;
+  readonly end: (ending: Ending) => void;
+}
+
+/** Asks whether the answers so far are kept. */
+function StopDialog({ participation, onClose, end }: StopDialogProps) {
+  const { act, busy, outcome } = useAct();
+  const text = t.takePart;
+  const stop = (ending: "kept" | "deleted") =>
+    act(async () => {
+      if (ending === "deleted") await participation.withdraw();
+      else await participation.queue.whenEmpty();
+      end(ending);
+      return "";
+    });
+  return (
+    <Dialog title={text.stopTitle} onClose={onClose}>
+      <p>{text.stopText}</p>
+      <div class="study-choices">
+        <button type="button" class="button button-main" disabled={busy} onClick={() => stop("kept")}>
+          {text.stopKeep}
+        </button>
+        <button type="button" class="button button-danger" disabled={busy} onClick={() => stop("deleted")}>
+          {text.stopDelete}
+        </button>
+        <button type="button" class="button" onClick={onClose}>
+          {text.stopNot}
+        </button>
+      </div>
+      {outcome}
+    </Dialog>
+  );
+}

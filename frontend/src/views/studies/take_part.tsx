@@ -1,0 +1,150 @@
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { ApiProblem } from "../../api/client";
+import { randomKey } from "../../api/random_key";
+import type { JoinedStudy, StudyInvitation } from "../../api/studies";
+import { after } from "../../live/paced";
+import { tab } from "../../storage";
+import { keepParticipant, keptParticipant, Participation, type Ending } from "../../studies/participation";
+import { language, t } from "../../texts";
+import { problemText } from "../../texts/problem_text";
+import { Loading } from "../loading";
+import { Notice, PageTitle } from "../shell";
+import { useApp } from "../state";
+import { EndPage } from "./end_page";
+import { InvitationForm } from "./invitation";
+import { StudyMessage } from "./study_frame";
+import { StudySteps } from "./study_steps";
+
+const triedAgainMs = 3000;
+
+/** The page of a participant: the invitation, the steps and the end. It needs no account. */
+export function TakePartByLink({ token }: { readonly token: string }) {
+  const { kept, joined, fault, join, end } = useJoining(token);
+  const invitation = useInvitation(token, kept === null);
+  if (kept?.ended) return <EndPage ending={kept.ended} participant={kept.key} />;
+  if (joined && kept) return <Steps key={kept.key} joined={joined} participant={kept} end={end} />;
+  if (kept) return <Joining fault={fault} />;
+  if (invitation.found) return <InvitationForm invitation={invitation.found} fault={fault} join={join} />;
+  return <NoInvitation fault={invitation.fault} gone={invitation.gone} />;
+}
+
+function Joining({ fault }: { readonly fault: string }) {
+  return (
+    <StudyMessage>
+      <PageTitle text={t.name} />
+      {fault ? <Notice kind="info">{fault}</Notice> : <Loading />}
+    </StudyMessage>
+  );
+}
+
+function NoInvitation({ fault, gone }: { readonly fault: string; readonly gone: boolean }) {
+  return (
+    <StudyMessage>
+      <PageTitle text={gone ? t.takePart.goneTitle : t.name} />
+      {fault ? <Notice kind="info">{fault}</Notice> : <Loading />}
+    </StudyMessage>
+  );
+}
+
+/** Loads the invitation, and tries again while the server is not there. */
+function useInvitation(token: string, wanted: boolean) {
+  const { api } = useApp();
+  const [found, setFound] = useState<StudyInvitation | null>(null);
+  const [fault, setFault] = useState("");
+  const [gone, setGone] = useState(false);
+  useEffect(() => {
+    if (!wanted) return;
+    let stopTimer: () => void = () => undefined;
+    let here = true;
+    const load = async (): Promise<void> => {
+      try {
+        const invitation = await api.studies.invitation(token);
+        if (here) setFound(invitation);
+      } catch (thrown) {
+        if (!here) return;
+        const final = isFinal(thrown);
+        setGone(final);
+        setFault(final ? goneText(thrown) : t.takePart.joining);
+        if (!final) stopTimer = after(triedAgainMs, () => void load());
+      }
+    };
+    void load();
+    return () => {
+      here = false;
+      stopTimer();
+    };
+  }, [api, token, wanted]);
+  return { found, fault, gone };
+}
+
+const isFinal = (thrown: unknown): boolean =>
+  thrown instanceof ApiProblem && thrown.status >= 400 && thrown.status < 500 && ![408, 429].includes(thrown.status);
+
+function goneText(thrown: unknown): string {
+  if (!(thrown instanceof ApiProblem) || thrown.status !== 410) return t.takePart.gone;
+  return thrown.kind === "study-full" ? t.takePart.full : t.takePart.closed;
+}
+
+/** Joins as a new participant, or after a reload as the one whose key this tab has kept. */
+function useJoining(token: string) {
+  const { api } = useApp();
+  const [kept, setKept] = useState(() => keptParticipant(tab, token));
+  const [joined, setJoined] = useState<JoinedStudy | null>(null);
+  const [fault, setFault] = useState("");
+  const continues = kept !== null && kept.ended === null && joined === null;
+  useEffect(() => {
+    if (!continues) return;
+    let stopTimer: () => void = () => undefined;
+    let here = true;
+    const load = async (): Promise<void> => {
+      try {
+        const again = await api.studies.join(token, kept.key, language.value, kept.record);
+        if (here) setJoined(again);
+      } catch (thrown) {
+        if (!here) return;
+        setFault(isFinal(thrown) ? goneText(thrown) : t.takePart.joining);
+        if (!isFinal(thrown)) stopTimer = after(triedAgainMs, () => void load());
+      }
+    };
+    void load();
+    return () => {
+      here = false;
+      stopTimer();
+    };
+  }, [api, token, continues, kept]);
+  const join = async (record: boolean): Promise<void> => {
+    const participant = { key: randomKey() + randomKey(), record, ended: null };
+    setFault("");
+    try {
+      const now = await api.studies.join(token, participant.key, language.value, record);
+      keepParticipant(tab, token, participant);
+      setKept(participant);
+      setJoined(now);
+    } catch (thrown) {
+      const over = thrown instanceof ApiProblem && thrown.status === 410;
+      setFault(over ? goneText(thrown) : thrown instanceof ApiProblem ? problemText(thrown) : t.problems.internal);
+    }
+  };
+  const end = (ending: Ending) => {
+    if (!kept) return;
+    const ended = { ...kept, ended: ending };
+    keepParticipant(tab, token, ended);
+    setKept(ended);
+  };
+  return { kept, joined, fault, join, end };
+}
+
+interface StepsProps {
+  readonly joined: JoinedStudy;
+  readonly participant: { readonly key: string; readonly record: boolean };
+  readonly end: (ending: Ending) => void;
+}
+
+function Steps({ joined, participant: { key, record }, end }: StepsProps) {
+  const { api } = useApp();
+  const participation = useMemo(
+    () => new Participation(api.studies, key, joined, record, tab, after),
+    [api, key, joined, record],
+  );
+  return <StudySteps participation={participation} end={end} />;
+}
