@@ -81,7 +81,7 @@ def figure_25(result: viewpoints.Result, t: Texts) -> Figure:
         if label.get_text() in outliers:
             label.set(color=COLOURS[1], fontweight="bold")
     axes.set(xlabel=t("participant"), ylabel=t("height"))
-    axes.legend(frameon=False, loc="upper right")
+    axes.legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 1))
     return figure
 
 

@@ -69,6 +69,13 @@ class Handler(BaseHTTPRequestHandler):
         """Logs nothing, because an address or a query is nobody's business."""
 
 
+class Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request: object, client_address: object) -> None:
+        """Logs no trace of a connection that broke off, because that has the address."""
+
+
 def analysed(body: bytes, language: str, seconds: float = MOST_SECONDS) -> tuple[HTTPStatus, dict | bytes]:
     """Analyses an export in a process of its own, which ends with the time, and takes nothing else down."""
     try:
@@ -104,8 +111,7 @@ def main() -> int:
     if sys.argv[1:2] == ["--analyse"]:
         return _analyse(sys.argv[2])
     address, port = os.environ.get("DIAPHANE_ADDRESS", "127.0.0.1"), int(os.environ.get("DIAPHANE_PORT", "8095"))
-    server = ThreadingHTTPServer((address, port), Handler)
-    server.daemon_threads = True
+    server = Server((address, port), Handler)
 
     def stop(_number: int, _frame: FrameType | None) -> None:
         threading.Thread(target=server.shutdown).start()

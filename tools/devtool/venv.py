@@ -41,7 +41,7 @@ TESTS = Part("test-tools", "Python libraries for the tests (from PyPI)", paths.R
 CHECK = Part("check-tools", "linters (from PyPI)", paths.TOOLS / "check-requirements.txt")
 #: In a folder of its own, because the image and other users' programs need it without the environment.
 STUDIES = Part("studies", "Python libraries for the analysis of studies (from PyPI)", paths.REPO / "studies" / "requirements.txt",
-               folder=paths.REPO / ".tools" / "studies")
+               folder=paths.REPO / ".tools" / "study-libraries")
 NODE = Part("node-24", "Node.js 24 (from PyPI)", requirement=_NODE_REQUIREMENT)
 
 
