@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any, Callable
 
 import numpy as np
+from scipy.special import expit
 
-from .latency import share_at
 from .viewpoints import unit
 
 #: As many as in section 6.1 of the thesis, and in the validation of 6.1.3.
@@ -167,15 +167,20 @@ DELAYS = (0, 50, 100, 150, 200, 300, 400)
 THRESHOLD, BETWEEN, SCALE, LAPSE = 160.0, 45.0, 25.0, 0.02
 
 
+def accepting(delays: np.ndarray | float, thresholds: np.ndarray | float) -> np.ndarray:
+    """Returns the probabilities with which participants accept delays."""
+    return LAPSE / 2 + (1 - LAPSE) * expit((thresholds - delays) / SCALE)
+
+
 def latency(rng: np.random.Generator, n: int = PARTICIPANTS) -> dict[str, Any]:
     """Returns a crowd in which half accept 160 ms: a delay is accepted by a logistic function whose threshold differs between
     participants."""
     people = []
     for _ in range(n):
-        own = np.array([THRESHOLD + rng.normal(0, BETWEEN), SCALE, LAPSE])
+        own = THRESHOLD + rng.normal(0, BETWEEN)
         trials = []
         for delay in rng.permutation(DELAYS):
-            accepted = bool(rng.random() < share_at(np.array([float(delay)]), own)[0])
+            accepted = bool(rng.random() < accepting(delay, own))
             trials.append({"delay_ms": int(delay), "time_ms": int(4000 * np.exp(rng.normal(delay / 800, 0.35))), "error_degrees": round(float(rng.gamma(2, 4)), 2),
                            "acceptable": accepted, "rating": int(np.clip(np.rint(9 - delay / 60 + rng.normal(0, 1.3)), 0, 10))})
         people.append({"latency": {"trials": trials}})

@@ -69,8 +69,7 @@ def latency_truth(share: float) -> float:
     """Returns the delay that this share of the simulated crowd accepts."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(61)
     delays = np.linspace(0, 400, 8001)
-    own = np.column_stack([simulate.THRESHOLD + simulate.BETWEEN * nodes, np.full(61, simulate.SCALE), np.full(61, simulate.LAPSE)])
-    shares = weights @ latency.share_at(delays, own) / weights.sum()
+    shares = weights @ simulate.accepting(delays, (simulate.THRESHOLD + simulate.BETWEEN * nodes)[:, None]) / weights.sum()
     return float(np.interp(-share, -shares, delays))
 
 
