@@ -54,7 +54,7 @@ def viewpoints_trial(seed: int) -> dict[str, bool]:
 def noise_trial(kind: str, seed: int) -> dict[str, bool]:
     rng = np.random.default_rng([5, list(simulate.NOISE).index(kind), seed])
     result = _viewpoints(simulate.noise(kind, rng), rng)
-    # One common view is no claim where the crowd has one, and is a claim where it has none.
+    # One common view is right for a crowd about one view, and wrong for the others.
     return {kind: len(result.clusters) <= (1 if kind == "one view" else 0)}
 
 

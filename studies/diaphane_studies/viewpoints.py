@@ -179,7 +179,7 @@ def p_several(directions: np.ndarray, rng: np.random.Generator) -> float:
     for draw in (lambda: rng.multivariate_normal(mean, covariance, n), lambda: _ring(directions, rng)):
         count = 0
         for _ in range(_DRAWN):
-            if max(count, exceeding) >= most:      # no claim any more, whatever the others are
+            if max(count, exceeding) >= most:      # no claim, whatever the other draws are
                 break
             count += structure(draw()) >= own
         exceeding = max(exceeding, count)

@@ -100,7 +100,7 @@ def test_opposite_views_have_a_tour_around_the_body():
     assert np.abs(eyes[:, 2]).max() < 1e-6    # about the long axis
 
 
-def test_views_that_are_all_the_same_are_one_view():
+def test_identical_views_are_one_view():
     document = simulate.noise("one view", np.random.default_rng(1))
     for one in document["participants"]:
         one["answers"][0]["value"] = document["participants"][0]["answers"][0]["value"]
@@ -120,14 +120,14 @@ def test_every_study_has_sections_and_figures_in_both_languages(kind, language):
 
 @pytest.mark.parametrize("kind", simulate.CROWDS)
 @pytest.mark.parametrize("people", [0, 1, 2, 5, 9])
-def test_few_or_no_participants_are_no_error(kind, people):
+def test_few_or_no_participants_are_analysed(kind, people):
     document = simulate.CROWDS[kind](np.random.default_rng(1), 43)
     document["participants"] = document["participants"][:people]
     json.dumps(report.as_json(report.analyse(document)), allow_nan=False)
 
 
 @pytest.mark.parametrize("data", [b"", b"[]", b"{", b'{"format": "other"}', b'{"format": "diaphane-study", "version": 2}', b'{"format": "diaphane-study", "version": 1}'])
-def test_what_is_no_export_is_refused(data):
+def test_another_document_is_refused(data):
     with pytest.raises(export.ExportError):
         export.parse(data)
 
