@@ -31,7 +31,7 @@ def test_the_image_runs_as_the_user_of_the_chart():
 
 def test_every_mount_point_exists_in_the_image():
     mounted = set()
-    for template in ("api.yaml", "ingest.yaml", "fleet.yaml", "migrate.yaml", "operator.yaml"):
+    for template in ("api.yaml", "ingest.yaml", "fleet.yaml", "migrate.yaml", "operator.yaml", "studies.yaml"):
         mounted |= set(re.findall(r"mountPath: ([^,}\s]+)", (CHART / "templates" / template).read_text(encoding="utf-8")))
     made = set(re.search(r"mkdir -p ((?:/\S+ )+)", _containerfile())[1].split())
     assert {"/data/volumes", "/run/edge", "/tmp"} <= mounted

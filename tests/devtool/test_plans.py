@@ -119,6 +119,12 @@ def test_stopping_takes_at_most_five_seconds_without_the_database(settings):
     assert sum(tiers.values()) < 5
 
 
+def test_the_analysis_is_left_out_until_its_libraries_are_installed(settings):
+    [analysis] = [program for program in plan.programs(settings) if program.optional]
+    assert analysis.name == "analysis" and analysis.missing()
+    assert f"http://127.0.0.1:{analysis.port}" in [value for program in plan.programs(settings) if program.name == "api" for value in program.env.values()]
+
+
 def test_every_placeholder_of_the_edge_configuration_is_replaced(settings):
     template = (Path(__file__).resolve().parents[2] / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8")
     conf = plan.nginx_conf(settings, template)
@@ -302,11 +308,11 @@ def test_selected_cluster_tests_run_where_the_control_plane_is_built():
     def run(kind, plane):
         return [suite.kind for suite in testing.suites() if testing.is_run(suite, kind, plane)]
 
-    always = ["integration", "e2e"] + ["unit"] * 5 + ["e2e"]
+    always = ["integration", "e2e"] + ["unit"] * 6 + ["e2e"]
     assert run(None, False) == always and run(None, True) == [*always, testing.CHOSEN]
     nightly = [suite.kind for suite in testing.suites(nightly=True) if testing.is_run(suite, None, True, nightly=True)]
     assert nightly == [*always, *testing.NIGHTLY]
-    assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 5
+    assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 6
 
 
 def test_suites_run_in_parallel_and_are_counted_and_timed(tmp_path):

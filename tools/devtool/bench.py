@@ -1,5 +1,6 @@
 """`./diaphane bench`: measurements in a common form. A measurement is a module in benches/ with ABOUT and measure(quick). One
-with its own options has add_options(parser) and measure(quick, options)."""
+with its own options has add_options(parser) and measure(quick, options). PROGRAMS names the programs to build (default: all, None:
+none)."""
 
 from __future__ import annotations
 
@@ -66,7 +67,8 @@ def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[st
     bench = importlib.import_module(f"{benches.__name__}.{known[name]}")
     options = _own_options(bench, name, rest)
     install.enter_venv("bench")
-    build.build_programs(*getattr(bench, "PROGRAMS", ()))
+    if (programs := getattr(bench, "PROGRAMS", ())) is not None:
+        build.build_programs(*programs)
     if getattr(bench, "PAGE", False):
         build.build_page()
     load = os.getloadavg()[0]

@@ -97,6 +97,7 @@ def _add_scans(command: _Commands) -> None:
     command("scan", "run_binary.scan", "list the series in a folder or an archive and say which are suitable (FOLDER or FILE.zip [--json] [--build VOLUME])", rest=True)
     command("export", "run_binary.export", "write a scan as NIfTI, or a part of it as STL or glTF (INPUT OUTPUT ..., see --help)", rest=True)
     command("render", "run_binary.render", "render a picture without a server (INPUT ..., see --help)", rest=True)
+    command("study", "study.run", "analyse the export of a study, or simulate one (analyse EXPORT or simulate KIND, see --help)", rest=True)
     command("replay", "replay.run", "replay a recorded interaction (FILE, and --link LINK or --scan SCAN --out FOLDER)", rest=True)
 
 

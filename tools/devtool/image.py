@@ -10,17 +10,20 @@ import subprocess
 import tarfile
 from pathlib import Path
 
-from . import build, commands, install, packages, paths, sbom, venv
+from . import build, commands, install, packages, paths, sbom, study, venv
 from .console import CliError, say, step
 
 CHART = paths.REPO / "helm" / "diaphane"
-LIMIT = 600_000_000
+LIMIT = 800_000_000
 #: Tools for users in a pod, besides the chart's programs, if the build contains them.
 _TOOLS = ("diaphane-scan", "diaphane-export", "diaphane-render", "diaphane-sample")
 _NGINX = Path("/usr/sbin/nginx")
 #: Modules that the edge's configuration loads, and Debian's packages with the Lua files that the second one needs.
 NGINX_MODULES = (Path("/usr/lib/nginx/modules/ndk_http_module.so"), Path("/usr/lib/nginx/modules/ngx_http_lua_module.so"))
 _LUA_PACKAGES = ("lua-resty-core", "lua-resty-lrucache")
+#: Debian's Python, without pip and the documents, for the analysis of studies.
+PYTHON = Path("/usr/bin/python3.11")
+_PYTHON_PACKAGES = ("python3.11-minimal", "libpython3.11-minimal", "libpython3.11-stdlib")
 _CERTIFICATES = Path("/usr/share/ca-certificates/mozilla")
 #: Debian packages that the machine which builds the image needs. They contain no services.
 _MAKERS = ["buildah", "debootstrap"]
@@ -62,11 +65,13 @@ def stage(into: Path) -> None:
     shutil.copytree(page, home / "page")
     shutil.copytree(paths.REPO / "migrations", home / "migrations")
     _nvrtc(bin_dir / "diaphane-renderd", home / "lib")
+    _studies(home / "studies")
+    python = _package_files(*_PYTHON_PACKAGES)
     edge = [_NGINX, *NGINX_MODULES]
-    for file in (*edge, *_lua_files()):
+    for file in (*edge, *_package_files(*_LUA_PACKAGES, below="/usr/share/lua/"), *python):
         _put(file, into)
     _certificates(into)
-    _libraries(ours, edge, into, home)
+    _libraries(ours, [*edge, *(file for file in python if file.suffix == ".so" or file == PYTHON)], into, home)
 
 
 def _put(file: Path, into: Path) -> None:
@@ -81,9 +86,17 @@ def _put(file: Path, into: Path) -> None:
         _put(target if target.is_absolute() else file.parent / target, into)
 
 
-def _lua_files() -> list[Path]:
-    listed = commands.output(["dpkg-query", "-L", *_LUA_PACKAGES])
-    return [file for line in listed.splitlines() if line.startswith("/usr/share/lua/") and (file := Path(line)).is_file()]
+def _package_files(*names: str, below: str = "/usr/") -> list[Path]:
+    listed = commands.output(["dpkg-query", "-L", *names])
+    return [file for line in listed.splitlines()
+            if line.startswith(below) and not line.startswith("/usr/share/doc") and (file := Path(line)).is_file() and "__pycache__" not in line]
+
+
+def _studies(into: Path) -> None:
+    """Copies the analysis of studies and its libraries, which bring their own shared libraries."""
+    leave_out = shutil.ignore_patterns("__pycache__", "*.pyi", "*.pxd", "*.h", "sample_data")
+    shutil.copytree(study.libraries(), into, ignore=leave_out)
+    shutil.copytree(study.PACKAGE / "diaphane_studies", into / "diaphane_studies", ignore=leave_out)
 
 
 def _nvrtc(renderd: Path, into: Path) -> None:
@@ -118,14 +131,15 @@ def _libraries(ours: list[Path], edge: list[Path], into: Path, home: Path) -> No
     for file in files:
         _put(file, into)
     owner = sbom.owners([*files, *edge])
-    names = {*owner.values(), *_LUA_PACKAGES, "ca-certificates"}
+    names = {*owner.values(), *_LUA_PACKAGES, *_PYTHON_PACKAGES, "ca-certificates"}
     parts = sbom.debian_parts(names, needed=True)
     for package in sorted(parts):
         _package(package, into)
     made = [sbom.Program(program.name, [parts[owner[file]].url for file in linked[program] if owner.get(file) in parts]) for program in programs]
     npm = sbom.npm_parts(json.loads((paths.FRONTEND / "package-lock.json").read_text(encoding="utf-8")))
     cuda = sbom.python_parts((paths.TOOLS / "cuda-requirements.txt").read_text(encoding="utf-8")) if (home / "lib").exists() else []
-    listed = [*parts.values(), *(part for part in npm if part.needed), *(part for part in cuda if part.name == "cuda-toolkit")]
+    studies = sbom.python_parts((study.PACKAGE / "requirements.txt").read_text(encoding="utf-8"), needed=True)
+    listed = [*parts.values(), *studies, *(part for part in npm if part.needed), *(part for part in cuda if part.name == "cuda-toolkit")]
     document = sbom.document(version(), "1970-01-01T00:00:00Z", made, listed)
     (home / "sbom.json").write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 

@@ -11,10 +11,10 @@ from .console import CliError, say
 
 PARTS = {
     "up": [venv.BUILD],
-    "image": [venv.BUILD, venv.CUDA],
-    "test": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK],
+    "image": [venv.BUILD, venv.CUDA, venv.STUDIES],
+    "test": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK, venv.STUDIES],
     "check": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK],
-    "bench": [venv.BUILD, venv.TESTS],
+    "bench": [venv.BUILD, venv.TESTS, venv.STUDIES],
     "replay": [venv.TESTS],
 }
 #: Purposes that need no browser, linters or fuzzers.

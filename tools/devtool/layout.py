@@ -20,9 +20,11 @@ class Layout:
     static: Path
     migrations: Path
     edge: Path
+    studies: Path = Path("studies")                    # the package of the analysis, and its libraries if they are installed
+    study_libraries: Path = Path("study-libraries")
 
     def all(self) -> list[Path]:
-        return [self.bin, self.static, self.migrations, self.edge]
+        return [self.bin, self.static, self.migrations, self.edge, self.studies, self.study_libraries]
 
 
 def of_checkout() -> Layout:
@@ -31,6 +33,8 @@ def of_checkout() -> Layout:
         static=paths.FRONTEND / "dist",
         migrations=paths.REPO / "migrations",
         edge=paths.REPO / "api" / "edge",
+        studies=paths.REPO / "studies",
+        study_libraries=paths.REPO / ".tools" / "study-libraries",
     )
 
 
@@ -52,6 +56,13 @@ def reachable(run_as: RunAs, copy_to: Path) -> Layout:
         if source.is_dir():
             _mirror(source, target)
     return copied
+
+
+def copy_study_libraries(into: Path) -> None:
+    """Copies the libraries of the analysis to where the programs find them, if that is not the checkout."""
+    source = of_checkout().study_libraries
+    if into != source:
+        _mirror(source, into)
 
 
 def _some_files(folder: Path) -> list[Path]:

@@ -45,6 +45,7 @@ class Program:
     stop_seconds: float = 2.8       # killed afterwards; the sum over the tiers without Postgres must stay below 5 s
     requires: tuple[Path, ...] = () # files that must exist before it can start
     nice: int = 0                   # lower CPU priority, so that rendering comes first on few cores
+    optional: bool = False          # left out if files are missing, and nothing waits for it
     cores: int = 0                  # runs on that many of the cores; 0: on all
 
     def missing(self) -> list[Path]:
@@ -93,7 +94,7 @@ class Settings:
 
 def programs(s: Settings) -> list[Program]:
     """Returns all programs in the order of their start."""
-    return [_postgres(s), _redis(s), _api(s), _gateway(s), _ingestd(s), _renderd(s), _edge(s)]
+    return [_postgres(s), _redis(s), _api(s), _gateway(s), _ingestd(s), _renderd(s), _analysis(s), _edge(s)]
 
 
 def _inherited(settings: Settings) -> dict[str, str]:
@@ -143,6 +144,7 @@ def _api(s: Settings) -> Program:
                  admin_port=s.ports["api-admin"], public_url=s.url,
                  upload_dir=s.data / "uploads", volume_dir=s.data / "volumes", cache_dir=s.data / "cache",
                  mail=f"file:{s.data / 'mail'}", mail_from="Diaphane <diaphane@localhost>",
+                 study_analysis_url=f"http://127.0.0.1:{s.ports['analysis']}",
                  sample_token=s.data / "secrets" / "sample-token", factor_key=s.data / "secrets" / "factor-key"))
 
 
@@ -181,6 +183,14 @@ def _renderd(s: Settings) -> Program:
         env=_own(s, worker_id="local", redis=s.redis, grpc_address=f"unix:{s.socket('renderd')}",
                  advertise=f"unix:{s.socket('renderd')}", admin_port=s.ports["renderd-admin"],
                  volume_dir=s.data / "volumes", engine=s.engine))
+
+
+def _analysis(s: Settings) -> Program:
+    folders = (s.layout.study_libraries, s.layout.studies)
+    return Program(
+        name="analysis", argv=("/usr/bin/python3", "-m", "diaphane_studies.serve"), port=s.ports["analysis"], tier=1, nice=10, stop_seconds=1,
+        requires=(folders[0] / "numpy", folders[1] / "diaphane_studies"), optional=True, ready=Ready("http", s.ports["analysis"]),
+        env=_own(s, port=s.ports["analysis"]) | {"PYTHONPATH": os.pathsep.join(map(str, folders)), "PYTHONDONTWRITEBYTECODE": "1", "MPLCONFIGDIR": str(s.data / "cache")})
 
 
 def nginx_conf(s: Settings, template: str) -> str:

@@ -17,6 +17,7 @@ DEFAULTS = {
     "ingestd-admin": 8092,
     "renderd-admin": 8093,
     "gateway-admin": 8094,
+    "analysis": 8095,
 }
 
 

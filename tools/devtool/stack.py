@@ -100,7 +100,7 @@ class Stack:
         self._end_leftovers()
         self._make_settings()
         chosen = None if self.only is None else set(self.only)
-        programs = [p for p in plan.programs(self.settings) if chosen is None or p.name in chosen]
+        programs = [p for p in plan.programs(self.settings) if (chosen is None or p.name in chosen) and not (p.optional and p.missing())]
         self._check_built(programs)
         self.running_ = {p.name: Running(p) for p in programs}
         if "postgres" in self.running_:
@@ -112,7 +112,8 @@ class Stack:
             for name in names:
                 self.start_program(name)
             for name in names:
-                self._wait_first_ready(name, deadline)
+                if not self.running_[name].program.optional:
+                    self._wait_first_ready(name, deadline)
             if tier == 0 and "postgres" in names:
                 superuser = datadir.secret(self.data, "postgres-superuser", self.run_as)
                 cluster.make_database(self.ports["postgres"], superuser, self.settings.postgres_password)
@@ -155,6 +156,15 @@ class Stack:
             entry.should_run = True
             if entry.process is None:
                 self._spawn(entry)
+
+    def add_optional(self) -> None:
+        """Starts the optional programs whose files were installed after the start."""
+        with self.guard_:
+            if self.serving:
+                for program in plan.programs(self.settings):
+                    if program.optional and not program.missing() and program.name not in self.running_:
+                        self.running_ = {**self.running_, program.name: Running(program, ever_ready=True)}
+                        self.start_program(program.name)
 
     def stop_program(self, name: str) -> None:
         """Stops the program in order and keeps it stopped until start_program()."""

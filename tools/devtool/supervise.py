@@ -10,7 +10,7 @@ import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import datadir, gpu, layout, ports, prepare, users
+from . import datadir, gpu, layout, ports, prepare, study, users
 from .processes import Identity, end, wait_gone
 from .console import CliError, say, step, warn
 from .plan import POSTGRES_STOP_SECONDS
@@ -25,6 +25,7 @@ class UpOptions:
     engine: str = "auto"
     port: int | None = None
     sample: bool = True
+    may_install: bool = False       # the libraries of the analysis of studies, once everything runs
     extra_env: tuple[tuple[str, str], ...] = ()
 
 
@@ -42,7 +43,7 @@ def up(data: Path, may_install: bool, background: bool, port: int | None, engine
     if (why := gpu.absence()) and gpu.is_plugged_in():
         warn(f"This machine has an NVIDIA GPU, but {why}. Diaphane renders on the CPU.")
     prepare.for_up(may_install)
-    chosen = UpOptions(data=data, engine=engine, port=port)
+    chosen = UpOptions(data=data, engine=engine, port=port, may_install=may_install)
     return detach(chosen) if background else hold(chosen)
 
 
@@ -56,6 +57,7 @@ def hold(options: UpOptions, on_ready=lambda: None) -> int:
     run_as = owner if owner.uid >= 0 else users.ordinary_user()
     datadir.claim(options.data, run_as)
     programs = layout.reachable(run_as, layout.copy_folder())
+    installer = study.start_installer(programs.study_libraries) if options.may_install else None
     os.chdir("/")           # the ordinary user may have no access to the current directory
     run_as = run_as.become()
     stack = Stack(data=options.data, ports=_ports(options), run_as=run_as, engine=options.engine, layout=programs,
@@ -67,13 +69,26 @@ def hold(options: UpOptions, on_ready=lambda: None) -> int:
         if not stop.is_set():
             say(f"Diaphane is at {stack.settings.url}/  (emails are saved in {stack.data / 'mail'})")
             on_ready()
+            if installer:
+                threading.Thread(target=add_analysis, args=(stack, installer), daemon=True).start()
             if options.sample:
                 threading.Thread(target=load_more_samples, args=(stack, stop), daemon=True).start()
         stop.wait()
         step("Stopping")
     finally:
+        if installer:
+            installer.stdin.close()     # ends it if it has not begun
         stack.stop()
     return 0
+
+
+def add_analysis(stack: Stack, installer: subprocess.Popen) -> None:
+    """Installs the libraries of the analysis while people already use Diaphane, and starts it."""
+    _, said = installer.communicate(b"go\n")
+    if installer.returncode == 0:
+        stack.add_optional()
+    else:
+        warn(f"cannot install the analysis of studies: {said.decode(errors='replace').strip()}")
 
 
 def _ports(options: UpOptions) -> dict[str, int]:

@@ -25,19 +25,23 @@ class Part:
     what: str
     file: Path | None = None
     requirement: str = ""
+    folder: Path | None = None    # installed there, by hashes, and not into the environment
 
     def digest(self) -> str:
         python = "%d.%d" % tuple(map(int, sysconfig.get_python_version().split(".")))
         return build_stamp.digest([self.file] if self.file else [], self.requirement, python)
 
     def current(self) -> bool:
-        return paths.VENV_PYTHON.exists() and build_stamp.is_current(self.name, self.digest())
+        return (self.folder or paths.VENV_PYTHON).exists() and build_stamp.is_current(self.name, self.digest())
 
 
 BUILD = Part("build-tools", "CMake 4 (from PyPI)", paths.TOOLS / "requirements.txt")
 CUDA = Part("cuda", "the CUDA 13.0 compiler (from PyPI)", paths.TOOLS / "cuda-requirements.txt")
 TESTS = Part("test-tools", "Python libraries for the tests (from PyPI)", paths.REPO / "tests" / "requirements.txt")
 CHECK = Part("check-tools", "linters (from PyPI)", paths.TOOLS / "check-requirements.txt")
+#: In a folder of its own, because the image and other users' programs need it without the environment.
+STUDIES = Part("studies", "Python libraries for the analysis of studies (from PyPI)", paths.REPO / "studies" / "requirements.txt",
+               folder=paths.REPO / ".tools" / "study-libraries")
 NODE = Part("node-24", "Node.js 24 (from PyPI)", requirement=_NODE_REQUIREMENT)
 
 
@@ -45,6 +49,10 @@ def ensure(part: Part) -> None:
     if part.current():
         return
     step(f"Installing {part.what}")
+    if part.folder:
+        install_into(part.folder, part.file)
+        build_stamp.set_current(part.name, part.digest())
+        return
     if not paths.VENV_PYTHON.exists():
         commands.output([_system_python(), "-m", "venv", paths.VENV])
     arguments = ["-r", part.file] if part.file else [part.requirement]
@@ -54,6 +62,21 @@ def ensure(part: Part) -> None:
     if part is NODE:
         _node_links()
     build_stamp.set_current(part.name, part.digest())
+
+
+def install_into(folder: Path, requirements: Path) -> None:
+    """Installs exactly these files into a folder, which replaces the one that is there once it is complete. Tests of libraries,
+    a third of their size, are left out."""
+    fresh = folder.with_name(f".{folder.name}-{os.getpid()}")
+    try:
+        commands.output([_system_python(), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--require-hashes",
+                         "--only-binary", ":all:", "--no-compile", "--target", fresh, "-r", requirements])
+        for tests in [path for path in fresh.rglob("tests") if path.is_dir()]:
+            shutil.rmtree(tests, ignore_errors=True)
+        shutil.rmtree(folder, ignore_errors=True)
+        fresh.rename(folder)
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
 
 
 def _site_packages() -> Path:

@@ -1,0 +1,182 @@
+"""The figures of the studies, as drawings of matplotlib that this module turns into SVG or PNG."""
+
+from __future__ import annotations
+
+import io
+from typing import Callable, Iterable
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+import matplotlib
+from scipy.cluster import hierarchy
+
+from . import tours, viewpoints
+from .comfort import Material
+from .latency import Result as LatencyResult, share_at
+from .texts import Texts
+
+#: Colours that people with colour blindness can tell apart (Okabe and Ito 2008).
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f6000", "#5e3c99")
+INK, FAINT = "#24303a", "#d5dce2"
+matplotlib.rcParams.update({"font.family": "DejaVu Sans", "font.size": 10, "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
+                            "axes.edgecolor": "#8796a3", "axes.spines.top": False, "axes.spines.right": False, "svg.fonttype": "none", "svg.hashsalt": "diaphane"})
+
+
+def _figure(width: float, height: float) -> Figure:
+    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def written(figure: Figure, kind: str) -> bytes:
+    out = io.BytesIO()
+    figure.savefig(out, format=kind, dpi=160, metadata={"Date": None} if kind == "svg" else None)
+    return out.getvalue()
+
+
+def _hex(colour: np.ndarray) -> str:
+    return "#%02x%02x%02x" % tuple(int(round(value)) for value in colour)
+
+
+def _bars(rows: Iterable[str], columns: list[str], colour: Callable[[int, int], np.ndarray], width: float) -> Figure:
+    """Draws a table of bars of colour. Each has its colour's code below it."""
+    rows = list(rows)
+    figure = _figure(width, 0.9 + 1.05 * len(rows))
+    axes = figure.subplots()
+    for row in range(len(rows)):
+        for column in range(len(columns)):
+            shade = _hex(colour(row, column))
+            axes.add_patch(Rectangle((column + 0.04, row + 0.06), 0.92, 0.66, facecolor=shade, edgecolor="#8796a3", linewidth=0.6))
+            axes.text(column + 0.5, row + 0.86, shade, ha="center", va="center", fontsize=8.5, family="DejaVu Sans Mono")
+    axes.set(xlim=(0, len(columns)), ylim=(len(rows), 0), xticks=np.arange(len(columns)) + 0.5, yticks=np.arange(len(rows)) + 0.4)
+    axes.set_xticklabels(columns)
+    axes.set_yticklabels(rows)
+    axes.tick_params(length=0)
+    axes.xaxis.tick_top()
+    axes.spines[:].set_visible(False)
+    return figure
+
+
+def figure_20(materials: list[Material], t: Texts, names: list[str]) -> Figure:
+    return _bars([t("reference"), t("comfortable")], names, lambda row, column: materials[column].colour(row), 2.2 + 2.1 * len(materials))
+
+
+def figure_21(materials: list[Material], t: Texts, names: list[str]) -> Figure:
+    figure = _bars(names, [f"{value:+d}".replace("-", "−") if value else "0" for value in range(-2, 3)], lambda row, column: materials[row].colour(column - 2), 8.2)
+    figure.axes[0].set_xlabel(t("scale"))
+    figure.axes[0].xaxis.set_label_position("bottom")
+    return figure
+
+
+# Viewpoints
+
+def figure_25(result: viewpoints.Result, t: Texts) -> Figure:
+    figure = _figure(8.2, 4.2)
+    axes = figure.subplots()
+    kept = set(result.kept.tolist())
+    hierarchy.dendrogram(result.linkage, ax=axes, labels=[str(n) for n in result.views.numbers], leaf_font_size=8, color_threshold=0,
+                         above_threshold_color=COLOURS[0], link_color_func=lambda _: COLOURS[0])
+    axes.axhline(result.bound, color=COLOURS[1], linestyle=(0, (5, 3)), linewidth=1.2, label=t("bound"))
+    outliers = {str(number) for i, number in enumerate(result.views.numbers) if i not in kept}
+    for label in axes.get_xticklabels():
+        if label.get_text() in outliers:
+            label.set(color=COLOURS[1], fontweight="bold")
+    axes.set(xlabel=t("participant"), ylabel=t("height"))
+    axes.legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 1))
+    return figure
+
+
+def _seen_from_above(axes, result: viewpoints.Result, t: Texts) -> None:
+    """Prepares axes on which the body is seen from above its head, with the front at the bottom."""
+    axes.add_patch(matplotlib.patches.Circle((0, 0), 1, facecolor="#e8eef3", edgecolor="#8796a3", linewidth=0.8))
+    axes.text(0, 0, t("region"), ha="center", va="center", fontsize=8)
+    reach = 1.15 * max(1.2, float(np.abs(result.views.directions[result.kept] * result.views.distances[result.kept, None]).max()))
+    axes.set(xlim=(-reach, reach), ylim=(reach, -reach), xlabel=t("left_axis"), ylabel=t("back_axis"), aspect="equal")
+    axes.invert_yaxis()
+    axes.grid(color=FAINT, linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def figure_26(result: viewpoints.Result, t: Texts) -> Figure:
+    """Draws the tour in the order in which the clusters were found, by their sizes, and in the order by angle, with the same curve."""
+    figure = _figure(8.2, 4.5)
+    found = sorted(result.clusters, key=lambda one: int(one.members[0]))
+    for axes, clusters, title in zip(figure.subplots(1, 2), (found, result.clusters), (t("unordered"), t("ordered"))):
+        eyes = tours.curve(np.array([one.direction for one in clusters]), np.array([one.distance for one in clusters]))
+        _seen_from_above(axes, result, t)
+        axes.plot(eyes[:, 0], eyes[:, 1], color=COLOURS[0], linewidth=1.6)
+        for one in clusters:
+            number = result.clusters.index(one)
+            axes.plot(*(one.direction * one.distance)[:2], "o", color=COLOURS[number % len(COLOURS)], markersize=15, markeredgecolor="white")
+            axes.annotate(str(number + 1), (one.direction * one.distance)[:2], ha="center", va="center", color="white", fontweight="bold", fontsize=9)
+        axes.set_title(f"{title}, {t('length', value=t.number(tours.length_of(eyes), 1))}", fontsize=10)
+    return figure
+
+
+def figure_27(result: viewpoints.Result, t: Texts) -> Figure:
+    """Draws the directions of all views on a map: the azimuth from the front to the left, and the elevation."""
+    figure = _figure(8.2, 4.4)
+    axes = figure.subplots()
+    azimuth, elevation = angles_of(result.views.directions)
+    kept = set(result.kept.tolist())
+    away = [i for i in range(len(azimuth)) if i not in kept]
+    owner = {int(result.kept[member]): number for number, one in enumerate(result.clusters) for member in one.members}
+    shades = [COLOURS[owner[i] % len(COLOURS)] if i in owner else "#8796a3" for i in result.kept]
+    axes.scatter(azimuth[result.kept], elevation[result.kept], s=34, c=shades, edgecolors="white", linewidths=0.6, zorder=2)
+    if away:
+        axes.scatter(azimuth[away], elevation[away], s=44, marker="x", c=INK, zorder=2, label=t("outlier"))
+        axes.legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.12))
+    for number, one in enumerate(result.clusters):
+        x, y = angles_of(one.direction[None])
+        axes.scatter(x, y, s=300, c=COLOURS[number % len(COLOURS)], edgecolors=INK, linewidths=1.2, zorder=3)
+        axes.annotate(str(number + 1), (x[0], y[0]), ha="center", va="center", color="white", fontweight="bold", zorder=4)
+    ticks = (-180, -90, 0, 90, 180)
+    axes.set(xlim=(-184, 184), ylim=(-94, 94), xticks=ticks, yticks=range(-90, 91, 45), xlabel=f"{t('azimuth')} (°)", ylabel=f"{t('elevation')} (°)")
+    axes.set_xticklabels([f"{t.number(value)}\n{t(side)}" for value, side in zip(ticks, ("back", "right", "front", "left", "back"))])
+    axes.grid(color=FAINT, linewidth=0.6)
+    return figure
+
+
+def angles_of(directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the azimuth from the front towards the patient's left, and the elevation, in degrees. Axes are left, back, up."""
+    return np.degrees(np.arctan2(directions[:, 0], -directions[:, 1])), np.degrees(np.arcsin(np.clip(directions[:, 2], -1, 1)))
+
+
+# Latency
+
+def figure_latency(result: LatencyResult, t: Texts) -> Figure:
+    from . import intervals
+
+    figure = _figure(8.2, 7.4)
+    accepted, rating, seconds = figure.subplots(3, 1, sharex=True, height_ratios=(1.5, 1, 1))
+    shares = result.accepted / result.trials
+    ends = np.array([intervals.share(int(a), int(n)) for a, n in zip(result.accepted, result.trials)])
+    accepted.errorbar(result.delays, 100 * shares, yerr=100 * np.abs(ends.T - shares), fmt="o", color=COLOURS[0], ecolor="#7fb8d8", capsize=3)
+    if result.parameters is not None:
+        along = np.linspace(result.delays[0], result.delays[-1], 200)
+        accepted.plot(along, 100 * share_at(along, result.parameters), color=COLOURS[1])
+    for share, (value, low, high) in result.thresholds.items():
+        if np.isfinite(value):
+            accepted.plot([low, min(high, result.delays[-1])], [100 * share] * 2, color=COLOURS[2], linewidth=5, alpha=0.45, solid_capstyle="butt")
+            accepted.annotate(f"{t.number(value)} ms", (value, 100 * share), xytext=(7, 6), textcoords="offset points", color=COLOURS[2], fontweight="bold")
+    accepted.set(ylabel=f"{t('accepted')} (%)", ylim=(-4, 104))
+    for axes, estimates, label in ((rating, result.ratings, t("rating")), (seconds, result.seconds, t("seconds"))):
+        middle, low, high = (np.array([getattr(one, name)[0] for one in estimates]) for name in ("mean", "low", "high"))
+        axes.errorbar(result.delays, middle, yerr=np.nan_to_num([middle - low, high - middle]).clip(0), fmt="o-", color=COLOURS[0], ecolor="#7fb8d8", capsize=3)
+        axes.set_ylabel(label)
+    rating.set_ylim(-0.4, 10.4)
+    seconds.set_ylim(bottom=0)
+    seconds.set_xlabel(t("delay"))
+    for axes in (accepted, rating, seconds):
+        axes.grid(color=FAINT, linewidth=0.6)
+    return figure
+
+
+def figure_sus(scores: np.ndarray, t: Texts) -> Figure:
+    figure = _figure(8.2, 3)
+    axes = figure.subplots()
+    axes.hist(scores, bins=np.arange(0, 101, 10), color=COLOURS[0], edgecolor="white")
+    axes.axvline(scores.mean(), color=COLOURS[1], linewidth=1.6, label=f"{t('mean')} {t.number(scores.mean(), 1)}")
+    axes.set(xlim=(0, 100), xlabel=t("score"), ylabel=t("overview"))
+    axes.yaxis.get_major_locator().set_params(integer=True)
+    axes.legend(frameon=False)
+    return figure
