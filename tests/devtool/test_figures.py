@@ -58,11 +58,11 @@ def test_numbers_keep_their_significant_digits(result, shown):
 def test_a_fresh_benchmark_report_becomes_a_section(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "getloadavg", lambda: (1.5, 1.0, 1.0))
     results = [bench.result("start", [1.0, 2.0, 3.0], "s", at_most=10), bench.result("slices", [7], "")]
-    bench.write_report(tmp_path / "startup.json", "startup", "./diaphane bench startup", 0.5, results)
-    lines = (tmp_path / "startup.json").read_text(encoding="utf-8").splitlines()
+    bench.write_report(tmp_path / "fresh.json", "fresh", "./diaphane bench fresh", 0.5, results)
+    lines = (tmp_path / "fresh.json").read_text(encoding="utf-8").splitlines()
     assert sum('"name"' in line for line in lines) == 2, "one result per line"
     page = figures.page(figures.reports(tmp_path))
-    assert "## startup" in page and "|start|2±1 s|10: met|" in page
+    assert "## fresh" in page and "|start|2±1 s|10: met|" in page
     assert re.search(r"load\s0\.5–1\.5,\s3\sruns", page)
 
 

@@ -51,7 +51,7 @@ SECTIONS: dict[str, tuple[str, str, str]] = {
                  r"marginal-gain: mean|slowdown with round|one session, switch|decision|64 mixed, marginal-gain: queueing.*p95", ""),
     "heads": ("Recognition of heads (95% interval).", r"sensitivity, n = (4|72|12)$|phantom: ", ""),
     "abuse": ("What ordinary users notice of an attack by 250 connections, 16 guests of a link and ten accounts at once.", r"^p95|failed", ""),
-    "studies": ("The analysis of 1000 simulated crowds of 43 participants each.", TARGETS, r": binomial test of the coverage, corrected p-value"),
+    "studies": ("Simulated crowds of 43 (validation: 16). p-values test the coverage of intervals.", TARGETS, r" binomial test of the coverage, corrected"),
     "cluster-plan": ("8,000 simulated GPUs, 100,000 sessions.", r"place.*lost to imbalance|robin: lost|plan for 8", ""),
 }
 
