@@ -6,7 +6,7 @@ import { t } from "../../texts";
 import { fixedText, percentText } from "../format";
 import { useApp } from "../state";
 import { useAct } from "../use_act";
-import type { ViewChoice } from "./view_editor";
+import type { ViewChoice } from "./view_settings";
 
 export interface OrderPicturesProps {
   readonly step: OrderStep;
