@@ -129,7 +129,7 @@ def centre(page: Page, number: str) -> tuple[float, float]:
 
 
 def test_pictures_are_put_in_order_by_keys_buttons_and_mouse(fake, visit, pictures: Path):
-    page = visit()
+    page = visit(reduced_motion="reduce")
     page.goto(order_study(page, fake.url))
     answers = sent_answers(page)
     agree(page)
@@ -286,7 +286,7 @@ def takes_part(page: Page, link: str, german: bool, pictures: Path) -> None:
 
 
 def test_a_study_from_composing_to_a_withdrawal(stack: TestStack, visit, cranium: Path, pictures: Path):
-    page = visit(wide=True)
+    page = visit(wide=True, reduced_motion="reduce")
     person = Person.arrives(stack, page, "researcher")
     person.has_scan(cranium, "Head")
     page.goto(stack.url + "/studies")
@@ -344,7 +344,7 @@ def test_a_study_from_composing_to_a_withdrawal(stack: TestStack, visit, cranium
 
 
 def test_the_five_pictures_of_a_validation_are_rendered_and_saved(stack: TestStack, visit, cranium: Path, pictures: Path):
-    page = visit(wide=True)
+    page = visit(wide=True, reduced_motion="reduce")
     person = Person.arrives(stack, page, "researcher")
     person.has_scan(cranium, "Head")
     stack.psql("UPDATE users SET is_researcher = true WHERE email = %s", person.email)
@@ -385,3 +385,32 @@ def test_an_administrator_grants_and_withdraws_the_role(stack: TestStack, visit)
         page.get_by_label("Part of an email address").fill(person.email)
         page.get_by_role("button", name="Search", exact=True).click()
         expect(page.get_by_role("link", name="Studies")).to_have_count(shown)
+
+
+#: As the analysis draws figures: with a style sheet and style attributes of their own.
+FIGURE = """<svg xmlns="http://www.w3.org/2000/svg" width="120" height="80"><style>circle { fill: #c00 }</style>
+<rect width="120" height="80" style="fill: #ffffff"/><circle cx="60" cy="40" r="30"/></svg>"""
+ANALYSIS = {"sections": [{"id": "comfort", "title": "Comfort", "notes": ["43 answers were analysed."],
+                          "tables": [{"title": "Table 1", "columns": ["Material", "Mean"], "rows": [["Bone", "-24"], ["Veins", "36"]]}],
+                          "figures": [{"id": "colours", "title": "Colours", "svg": FIGURE}]}],
+            "adoptable": {"comfort": {"bone": [-24, 5, 7], "blood": [36, 20, 29]}, "tours": []}}
+
+
+def test_an_analysis_shows_its_tables_and_figures(stack: TestStack, visit, pictures: Path):
+    page = visit(wide=True, reduced_motion="reduce")
+    person = Person.arrives(stack, page, "researcher")
+    stack.psql("UPDATE users SET is_researcher = true WHERE email = %s", person.email)
+    page.goto(stack.url + "/studies/sus")
+    page.get_by_role("button", name="Save study").click()
+    expect(page.get_by_text("The study is saved.")).to_be_visible()
+    page.route("**/analysis?language=en", lambda route: route.fulfill(json=ANALYSIS))
+    page.get_by_role("button", name="Analyse").click()
+    expect(page.get_by_role("table", name="Table 1")).to_contain_text("Veins")
+    figure = page.get_by_role("img", name="Colours")
+    stack.wait_until(lambda: figure.evaluate("(image) => image.complete && image.naturalWidth") == 120, what="the figure")
+    page.screenshot(path=pictures / "study-analysis.png", full_page=True)
+    assert faults(page) + zoomed_faults(page) == []
+    expect(page.get_by_role("button", name="Use these colours for the comfort slider")).to_have_count(0)  # only for administrators
+    page.get_by_role("button", name="Delete study").click()
+    page.get_by_role("dialog").get_by_role("button", name="Delete study").click()
+    expect(page.get_by_text("You have no studies yet.")).to_be_visible()

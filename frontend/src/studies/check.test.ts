@@ -51,7 +51,7 @@ describe("a template", () => {
 
 describe("the check of a study", () => {
   it("finds what is wrong with the study as a whole", async () => {
-    const study = await withSteps({ ...newStep("text", "a"), text } as Step);
+    const study = await withSteps({ ...newStep("text", "a"), text });
     const found = (change: Partial<Definition>) =>
       findingsOf({ ...study, ...change }, now).map(({ problem }) => problem);
     expect(found({})).toEqual([]);
@@ -70,11 +70,11 @@ describe("the check of a study", () => {
 
   it("finds what is wrong with a step", async () => {
     expect(await problemsOf(newStep("text", "a"))).toEqual(["text"]);
-    expect(await problemsOf({ ...newStep("text", "a"), text: { de: "x".repeat(2001) } } as Step)).toEqual(["textLong"]);
-    expect(await problemsOf({ ...newStep("viewpoint", "a"), text } as Step)).toEqual(["view"]);
-    expect(await problemsOf({ ...newStep("rating", "a"), text } as Step)).toEqual([]);
+    expect(await problemsOf({ ...newStep("text", "a"), text: { de: "x".repeat(2001) } })).toEqual(["textLong"]);
+    expect(await problemsOf({ ...newStep("viewpoint", "a"), text })).toEqual(["view"]);
+    expect(await problemsOf({ ...newStep("rating", "a"), text })).toEqual([]);
     expect(await problemsOf({ ...newStep("rating", "a"), text, low: 5, high: 5 } as Step)).toEqual(["scale"]);
-    expect(await problemsOf({ ...newStep("choice", "a"), text } as Step)).toEqual(["options"]);
+    expect(await problemsOf({ ...newStep("choice", "a"), text })).toEqual(["options"]);
     expect(await problemsOf({ ...newStep("order", "a"), text, pictures: [] } as Step)).toEqual(["pictures"]);
     expect(await problemsOf({ ...newStep("latency", "a"), text, view, delays_ms: [500] } as Step)).toEqual(["delays"]);
   });
@@ -91,7 +91,7 @@ describe("the check of a study", () => {
   });
 
   it("allows at most 20 pictures in a study", async () => {
-    const orders = Array.from({ length: 5 }, (_, i) => ({ ...newStep("order", `o${i}`), text }) as Step);
+    const orders = Array.from({ length: 5 }, (_, i) => ({ ...newStep("order", `o${i}`), text }));
     expect(await problemsOf(...orders)).toEqual(["studyPictures"]);
     expect(await problemsOf(...orders.slice(1))).toEqual([]);
   });

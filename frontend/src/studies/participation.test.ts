@@ -38,7 +38,7 @@ function begin(answered: readonly string[], here = store(), fail: ApiProblem | n
   return { participation, calls };
 }
 
-it("begins after the consent, and goes on to the first step without an answer", () => {
+it("begins after the consent, at the first step without an answer", () => {
   const { participation } = begin(["a"]);
   expect(participation.steps.map(({ id }) => id)).toEqual(["a", "b", "c"]);
   expect(participation.current()?.id).toBe("b");

@@ -6,8 +6,8 @@ import { browserParts, StillShot, type ShotState } from "../video/still_shot";
 import type { StudyPicture, View } from "./definition";
 
 export interface TakingEvents {
-  /** Called with the number of the picture that is rendered next, from 1. */
-  readonly begun: (number: number) => void;
+  /** Called with the number of the picture that is rendered, from 1, and how much of it is done, from 0 to 1. */
+  readonly progress: (number: number, done: number) => void;
   readonly taken: (picture: string, file: Blob) => Promise<void>;
 }
 
@@ -18,9 +18,9 @@ export interface Taking {
   readonly stop: () => void;
 }
 
-const side = 768;
+const side = 512;
 /** The estimated relative error of a picture, which is denoised. */
-const pictureError = 0.03;
+const pictureError = 0.06;
 const jpegQuality = 0.9;
 
 /** Renders one view in the comforts of the pictures, as JPEG files without metadata. */
@@ -34,8 +34,11 @@ export function takePictures(api: Api, view: View, pictures: readonly StudyPictu
     if (!hasComfort(scene, originals)) return "picturesNoComfort";
     for (const [i, { id, comfort }] of pictures.entries()) {
       if (stopped) return "picturesFailed";
-      events.begun(i + 1);
-      const file = await render(api, view.data_set_id, setComfort(scene, originals, comfort), (one) => (shot = one));
+      const coloured = setComfort(scene, originals, comfort);
+      const file = await render(api, view.data_set_id, coloured, {
+        begun: (one) => (shot = one),
+        progress: (done) => events.progress(i + 1, done),
+      });
       if (!file) return "picturesFailed";
       await events.taken(id, file);
     }
@@ -50,7 +53,12 @@ export function takePictures(api: Api, view: View, pictures: readonly StudyPictu
   };
 }
 
-function render(api: Api, dataSetId: string, scene: Scene, begun: (shot: StillShot) => void): Promise<Blob | null> {
+interface Rendering {
+  readonly begun: (shot: StillShot) => void;
+  readonly progress: (done: number) => void;
+}
+
+function render(api: Api, dataSetId: string, scene: Scene, { begun, progress }: Rendering): Promise<Blob | null> {
   const sheet = document.createElement("canvas");
   sheet.width = side;
   sheet.height = side;
@@ -59,7 +67,10 @@ function render(api: Api, dataSetId: string, scene: Scene, begun: (shot: StillSh
   const place = ownPlace(api, dataSetId);
   return new Promise((resolve) => {
     const changed = (state: ShotState) => {
-      if (state.kind === "rendering") return;
+      if (state.kind === "rendering") {
+        progress(state.done ?? 0);
+        return;
+      }
       place.leave(id);
       // A canvas writes no metadata: a picture of a body contains nothing else.
       if (state.kind === "done") sheet.toBlob(resolve, "image/jpeg", jpegQuality);

@@ -125,7 +125,7 @@ function useDelayedPicture(step: LatencyStep, participation: Participation) {
   const [delay] = useState(() => new DelayLine({ nowMs: () => performance.now(), after }));
   const place = useMemo(
     () => studyPlace(api, participation, step, delay),
-    // eslint-disable-next-line react-hooks/exhaustive-deps -- another count begins anew
+    // eslint-disable-next-line react-hooks/exhaustive-deps -- another count begins a new session
     [api, participation, step, delay, count],
   );
   return { place, session, setSession, delay, again: { count, begin: () => setCount(count + 1) } };

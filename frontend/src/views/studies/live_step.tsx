@@ -66,7 +66,7 @@ export function useStepPicture(step: ViewStep, participation: Participation) {
   const [session, setSession] = useState<ViewerSession | null>(null);
   const place = useMemo(
     () => studyPlace(api, participation, step, null),
-    // eslint-disable-next-line react-hooks/exhaustive-deps -- another count begins anew
+    // eslint-disable-next-line react-hooks/exhaustive-deps -- another count begins a new session
     [api, participation, step, count],
   );
   const onRecording = participation.record

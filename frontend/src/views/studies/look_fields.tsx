@@ -8,7 +8,7 @@ import { Choice } from "../choice";
 import { useApp } from "../state";
 import { sceneOfPreset } from "../viewer/preset_scene";
 import { NumberControl } from "../viewer/settings/controls";
-import type { ViewSettings } from "./view_editor";
+import type { ViewSettings } from "./view_settings";
 
 export interface LookFieldsProps {
   readonly session: ViewerSession;

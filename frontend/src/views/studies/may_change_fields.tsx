@@ -2,7 +2,7 @@ import { mayChangeParts, type View } from "../../studies/definition";
 import { t } from "../../texts";
 import { Choice } from "../choice";
 import { Switch } from "../viewer/settings/controls";
-import type { ViewSettings } from "./view_editor";
+import type { ViewSettings } from "./view_settings";
 
 export interface MayChangeFieldsProps {
   readonly settings: ViewSettings;

@@ -3,10 +3,10 @@ import type { Study } from "../../api/studies";
 import type { OrderStep, View } from "../../studies/definition";
 import { takePictures, type Taking } from "../../studies/take_pictures";
 import { t } from "../../texts";
-import { fixedText } from "../format";
+import { fixedText, percentText } from "../format";
 import { useApp } from "../state";
 import { useAct } from "../use_act";
-import type { ViewChoice } from "./view_editor";
+import type { ViewChoice } from "./view_settings";
 
 export interface OrderPicturesProps {
   readonly step: OrderStep;
@@ -49,14 +49,14 @@ const signed = (comfort: number): string => (comfort > 0 ? `+${fixedText(comfort
 /** Renders the pictures and uploads them. */
 function useTaking(step: OrderStep, save: () => Promise<Study>, onTaken: () => void) {
   const { app, act, busy, outcome } = useAct();
-  const [number, setNumber] = useState(0);
+  const [at, setAt] = useState({ number: 0, done: 0 });
   const taking = useRef<Taking | null>(null);
   useEffect(() => () => taking.current?.stop(), []);
   const take = (view: View) =>
     act(async () => {
       const { id } = await save();
       taking.current = takePictures(app.api, view, step.pictures, {
-        begun: setNumber,
+        progress: (number, done) => setAt({ number, done }),
         taken: (picture, file) => app.api.studies.savePicture(id, picture, file),
       });
       const problem = await taking.current.done;
@@ -65,7 +65,9 @@ function useTaking(step: OrderStep, save: () => Promise<Study>, onTaken: () => v
     });
   const progress = (
     <p class="muted" role="status">
-      {busy && number > 0 ? t.studies.picturesTaking(number, step.pictures.length) : ""}
+      {busy && at.number > 0
+        ? `${t.studies.picturesTaking(at.number, step.pictures.length)} ${percentText(at.done)}`
+        : ""}
     </p>
   );
   return {

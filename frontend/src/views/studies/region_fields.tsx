@@ -8,7 +8,7 @@ import type { ViewerSession } from "../../video/viewer_session";
 import type { InPicture } from "../picture/in_picture";
 import { NumberControl, Switch } from "../viewer/settings/controls";
 import { TextFields } from "./text_fields";
-import type { ViewSettings } from "./view_editor";
+import type { ViewSettings } from "./view_settings";
 
 export interface RegionFieldsProps {
   readonly session: ViewerSession;

@@ -18,7 +18,7 @@ import { Switch } from "../viewer/settings/controls";
 import { MaterialFields } from "./material_fields";
 import { OrderPictures } from "./order_pictures";
 import { TextFields } from "./text_fields";
-import type { ViewChoice } from "./view_editor";
+import type { ViewChoice } from "./view_settings";
 import { ViewField } from "./view_field";
 
 export interface StepFormProps {

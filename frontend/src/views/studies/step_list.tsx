@@ -17,7 +17,7 @@ import { language, t } from "../../texts";
 import { Choice } from "../choice";
 import { IconButton } from "../icon_button";
 import { StepForm } from "./step_form";
-import type { ViewChoice } from "./view_editor";
+import type { ViewChoice } from "./view_settings";
 
 export interface StepListProps {
   readonly definition: Definition;

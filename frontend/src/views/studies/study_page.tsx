@@ -14,7 +14,8 @@ import { SavePart } from "./save_part";
 import { StepList } from "./step_list";
 import { StateChip } from "./studies";
 import { useStudy, type StudyEditing } from "./use_study";
-import { ViewEditor, type ViewChoice } from "./view_editor";
+import { ViewEditor } from "./view_editor";
+import type { ViewChoice } from "./view_settings";
 
 /** A study of a researcher: its definition, its participants and its results. */
 export function StudyPage({ studyId }: { readonly studyId: string }) {

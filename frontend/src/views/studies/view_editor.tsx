@@ -5,7 +5,7 @@ import { ownPlace, type Place } from "../../live/place";
 import { randomKey } from "../../api/random_key";
 import { sceneFromJson, sceneToJson, type Scene } from "../../protocol/messages";
 import { tab } from "../../storage";
-import type { MayChange, Region, View } from "../../studies/definition";
+import type { Region, View } from "../../studies/definition";
 import { withRegion } from "../../studies/region";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
@@ -22,26 +22,13 @@ import { LookFields } from "./look_fields";
 import { MayChangeFields } from "./may_change_fields";
 import { RegionFields } from "./region_fields";
 import { useViewScans } from "./use_view_scans";
+import type { ViewSettings } from "./view_settings";
 
 export interface ViewEditorProps {
   /** The view to change, or null for a new one. */
   readonly view: View | null;
   readonly onUse: (view: View) => void;
   readonly onCancel: () => void;
-}
-
-/** A request to choose a picture. */
-export interface ViewChoice {
-  readonly view: View | null;
-  readonly use: (view: View) => void;
-}
-
-/** What the researcher has chosen besides the scene. */
-export interface ViewSettings {
-  readonly preset: string;
-  readonly mayChange: readonly MayChange[];
-  readonly start: View["start"];
-  readonly region: Region | null;
 }
 
 /** Lets the researcher choose the picture of a step in a live view of the scan. */
@@ -161,7 +148,7 @@ export function useComposerPlace(dataSetId: string, view: View | null) {
       },
       ...(saved ? { firstScene: () => saved } : {}),
     };
-    // eslint-disable-next-line react-hooks/exhaustive-deps -- another count begins anew
+    // eslint-disable-next-line react-hooks/exhaustive-deps -- another count begins a new session
   }, [api, dataSetId, view, count]);
   return { place, again: { count, begin: () => setCount(count + 1) } };
 }

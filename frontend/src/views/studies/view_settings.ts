@@ -1,0 +1,15 @@
+import type { MayChange, Region, View } from "../../studies/definition";
+
+/** A request to choose a picture. */
+export interface ViewChoice {
+  readonly view: View | null;
+  readonly use: (view: View) => void;
+}
+
+/** What the researcher has chosen besides the scene. */
+export interface ViewSettings {
+  readonly preset: string;
+  readonly mayChange: readonly MayChange[];
+  readonly start: View["start"];
+  readonly region: Region | null;
+}
