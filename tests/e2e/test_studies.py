@@ -414,3 +414,59 @@ def test_an_analysis_shows_its_tables_and_figures(stack: TestStack, visit, pictu
     page.get_by_role("button", name="Delete study").click()
     page.get_by_role("dialog").get_by_role("button", name="Delete study").click()
     expect(page.get_by_text("You have no studies yet.")).to_be_visible()
+
+
+def blueness(page: Page) -> float:
+    """Returns how much bluer than red the bluest of 32 x 32 parts of the picture is, of 255."""
+    return page.locator("canvas").evaluate("""(source) => {
+        const small = new OffscreenCanvas(32, 32).getContext("2d");
+        small.drawImage(source, 0, 0, 32, 32);
+        const { data } = small.getImageData(0, 0, 32, 32);
+        let most = 0;
+        for (let i = 0; i < data.length; i += 4) most = Math.max(most, data[i + 2] - data[i]);
+        return most;
+    }""")
+
+
+def test_a_part_is_marked_in_the_picture_and_found_from_a_random_view(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(wide=True)
+    person = Person.arrives(stack, page, "researcher")
+    person.has_scan(cranium, "Head")
+    stack.psql("UPDATE users SET is_researcher = true WHERE email = %s", person.email)
+    page.goto(stack.url + "/studies/viewpoints")
+    page.get_by_role("button", name="Choose picture").click()
+    live(page)
+    assert blueness(page) < 40
+    page.get_by_label("Highlight a part").check()
+    page.get_by_role("button", name="Mark in the picture").click()
+    page.keyboard.press("Enter")  # the middle of the picture
+    expect(page.locator(".picker")).to_have_count(0)
+    page.get_by_label("Name of the part (English)").fill("Forehead")
+    page.get_by_label("First view").select_option("random")
+    stack.wait_until(lambda: blueness(page) > 60 or page.wait_for_timeout(50), what="the highlighted part")
+    page.screenshot(path=pictures / "study-region.png", full_page=True)
+    page.get_by_role("button", name="Use this picture").click()
+    page.get_by_role("button", name="Save study").click()
+    expect(page.get_by_text("The study is saved.")).to_be_visible()
+    page.get_by_role("button", name="Open study").click()
+    expect(page.get_by_text("The study is open.")).to_be_visible()
+    page.get_by_role("button", name="Create link").click()
+    visitor = visit(phone=True)
+    answers = sent_answers(visitor)
+    visitor.goto(page.get_by_label("Link for participants").input_value())
+    agree(visitor)
+    live(visitor)
+    expect(visitor.get_by_text("The coloured part: Forehead")).to_be_visible()
+    visitor.screenshot(path=pictures / "study-random-view.png")
+    visitor.get_by_role("button", name="This is my view").click()
+    expect(visitor.get_by_label("Your answer")).to_be_visible()
+    stack.wait_until(lambda: answers or visitor.wait_for_timeout(50), what="the answer")
+    study = page.evaluate(EXPORT, f"/v1/studies/{page.url.rsplit('/', 1)[1]}")
+    view = study["definition"]["steps"][1]["view"]
+    assert view["region"]["name"] == {"en": "Forehead"} and view["scene"]["highlight"]["radius"] == view["region"]["radius"]
+    first = [view["scene"]["camera"]["eye"].get(axis, 0) for axis in "xyz"]
+    target = [view["scene"]["camera"]["target"].get(axis, 0) for axis in "xyz"]
+    start = answers[0]["value"]["start"]
+    assert start["target"] == pytest.approx(target) and math.dist(start["eye"], target) == pytest.approx(math.dist(first, target))
+    assert math.dist(start["eye"], first) > 1  # a start nearer than that has a probability below 1e-5
+    assert answers[0]["value"]["camera"]["eye"] == pytest.approx(start["eye"])
