@@ -17,6 +17,7 @@ struct SessionInfo {
   std::string user_id;  ///< the user who opened it; it does not exist for anyone else
   std::string data_set_id;
   std::string worker_id;  ///< the worker of the last placement
+  std::string charged_to = {};  ///< as in PlaceRequest
 };
 
 /// The relation of a viewer to the scan, from which the worker derives their permissions
@@ -59,6 +60,9 @@ struct PlaceRequest {
   bool visitor = false;
   /// The source of a visitor, such as the hash of an address, for visitor_slots_of_source().
   std::string visitor_from = {};
+  /// The account that pays for the session of a participant of a study: the session counts towards
+  /// its limit and ends with it, but does not exist for it. Empty means the user themself.
+  std::string charged_to = {};
 };
 
 /// The current place of a session, and a new ticket for one connection to it.
@@ -81,7 +85,7 @@ class Placement {
   virtual Result<Placed> place(const PlaceRequest& request) = 0;
   /// Returns the session, or kNotFound if it does not exist.
   virtual Result<SessionInfo> find(std::string_view session_id) = 0;
-  /// Returns the user's sessions, oldest first.
+  /// Returns the user's sessions, oldest first, without those that others opened at their expense.
   virtual Result<std::vector<SessionInfo>> sessions_of(std::string_view user_id) = 0;
   /// Returns all sessions on the data set, by any user.
   virtual Result<std::vector<SessionInfo>> sessions_on(std::string_view data_set_id) = 0;
@@ -89,7 +93,7 @@ class Placement {
   virtual Result<void> end(std::string_view session_id) = 0;
   /// Ends all sessions on a data set that is being deleted, by any user.
   virtual Result<void> end_all_of(std::string_view data_set_id) = 0;
-  /// Ends all sessions that the user opened.
+  /// Ends all sessions that the user opened, and those that are charged to them.
   virtual Result<void> end_all_by(std::string_view user_id) = 0;
   /// Ends the user's sessions that the signed-out browser had a ticket for, and refuses further
   /// tickets for it.

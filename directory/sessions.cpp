@@ -95,7 +95,8 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
                                                    request.visitor ? "1" : "",
                                                    percent,
                                                    request.visitor_from,
-                                                   request.downloads ? "1" : "0"});
+                                                   request.downloads ? "1" : "0",
+                                                   request.charged_to});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {
@@ -107,10 +108,11 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
 Result<SessionInfo> Sessions::find(std::string_view session_id) {
   if (!is_id(session_id)) return no_session();
   const std::string key = "diaphane:session:" + std::string(session_id);
-  const Result<Reply> reply = client_.command({"HMGET", key, "user", "data_set", "worker"});
+  const Result<Reply> reply = client_.command({"HMGET", key, "user", "data_set", "worker", "charged_to"});
   if (!reply) return tl::unexpected(reply.error());
   if (reply->at(0).empty()) return no_session();
-  return SessionInfo{std::string(session_id), reply->at(0), reply->at(1), reply->at(2)};
+  return SessionInfo{std::string(session_id), reply->at(0), reply->at(1), reply->at(2),
+                     reply->at(3)};
 }
 
 Result<std::vector<SessionInfo>> Sessions::sessions_of(std::string_view user_id) {
@@ -127,7 +129,7 @@ Result<std::vector<SessionInfo>> Sessions::list(std::string_view of, std::string
   const Result<Reply> reply = client_.run(kListSessions, {of, id});
   if (!reply) return tl::unexpected(reply.error());
   for (const Reply& one : reply->list) {
-    sessions.push_back({one.at(0), one.at(1), one.at(2), one.at(3)});
+    sessions.push_back({one.at(0), one.at(1), one.at(2), one.at(3), one.at(4)});
   }
   return sessions;
 }

@@ -442,6 +442,29 @@ TEST_F(SessionsTest, SignOutEndsOnlySessionsOfThatBrowser) {
   EXPECT_EQ(used("a"), 2);
 }
 
+TEST_F(SessionsTest, ASessionChargedToAUserCountsForThemButIsNotTheirs) {
+  Sessions sessions(*client_, {.placed = 2});
+  announce({.id = "a", .slots = 10});
+  const std::string payer = new_id();
+  PlaceRequest one = request(), two = request();
+  one.charged_to = two.charged_to = payer;
+  for (const PlaceRequest& each : {one, two}) ASSERT_TRUE(sessions.place(each));
+  EXPECT_EQ(sessions.place(request(payer)).error().code, ErrorCode::kTooMany);
+  EXPECT_TRUE(sessions.sessions_of(payer)->empty());
+  EXPECT_EQ(sessions.find(one.session_id)->user_id, one.user_id);
+  EXPECT_EQ(sessions.sessions_on(one.data_set_id)->at(0).charged_to, payer);
+  PlaceRequest stolen = one;
+  stolen.user_id = payer;
+  EXPECT_EQ(sessions.place(stolen).error().code, ErrorCode::kNotFound);
+
+  ASSERT_TRUE(sessions.end_all_from(new_id(), payer));
+  EXPECT_TRUE(sessions.find(one.session_id)) << "it belongs to no browser of theirs";
+  ASSERT_TRUE(sessions.end(two.session_id));
+  EXPECT_TRUE(sessions.place(request(payer)));
+  ASSERT_TRUE(sessions.end_all_by(payer));
+  EXPECT_FALSE(sessions.find(one.session_id));
+}
+
 TEST_F(SessionsTest, SignOutEndsRestoredSessionWithUnknownBrowser) {
   announce({.id = "a"});
   PlaceRequest one = request();

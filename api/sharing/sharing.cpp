@@ -263,9 +263,11 @@ void Sharing::end_sessions_unless(const std::string& id,
   if (!sessions) return failed();
   for (const SessionInfo& session : *sessions) {
     Principal person;
-    person.user_id = session.user_id;
+    const bool of_study = !session.charged_to.empty();
+    person.user_id = of_study ? session.charged_to : session.user_id;
     const auto visible = parts_.data_sets.find_ready(person, id);
-    if (visible && keeps(*visible)) continue;
+    // A study may show less than its researcher may see (find_for_study).
+    if (visible && (of_study ? visible->owned() || visible->is_public : keeps(*visible))) continue;
     if (!visible && (visible.error().kind == ProblemKind::kUnavailable ||
                      visible.error().kind == ProblemKind::kOutcomeUnknown)) {
       return failed();

@@ -159,8 +159,13 @@ TEST_F(SharingTest, WithdrawingAccessEndsTheSessionsOfThoseWhoLostItAndNoOthers)
   store.visits["visit"] = {"visit", id, "link", clock.wall() + 1h};
   placement.add_session("old visit", "visitor", id);
   store.visits["old visit"] = {"old visit", id, "link", clock.wall()};
+  for (const std::string& payer : {owner.user_id, shared.user_id}) {
+    placement.add_session("study of " + payer, "participant", id);
+    placement.sessions["study of " + payer].charged_to = payer;
+  }
   ASSERT_TRUE(sharing.unshare(owner, id, person));
-  EXPECT_THAT(placement.ended, UnorderedElementsAre("lost", "old visit"));
+  EXPECT_THAT(placement.ended, UnorderedElementsAre("lost", "old visit", "study of " + shared.user_id))
+      << "a study shows only its researcher's own scans and public ones";
 }
 
 TEST_F(SharingTest, WithdrawingAccessToAPublicScanEndsTheSessionsOfThatPerson) {

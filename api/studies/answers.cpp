@@ -127,7 +127,7 @@ std::string check_order(const json& step, const json& value) {
 std::string check_viewpoint(const json&, const json& value) {
   const bool valid = has_only(value, {"camera", "start"}) && is_camera(value["camera"]) &&
                      is_camera(value["start"]);
-  return valid ? "" : "must have the cameras camera and start";
+  return valid ? "" : "must have two cameras, camera and start";
 }
 
 std::string check_choice(const json& step, const json& value) {

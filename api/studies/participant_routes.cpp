@@ -69,11 +69,7 @@ Outcome<Response> join_study(Participations& participations, const Request& requ
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto joined = participations.join(token, key, language, record, who.client);
   DIAPHANE_TRY(joined);
-  return json_response(
-      201,
-      {{"seed", joined->participation.participant.seed},
-       {"definition", definition_for_participants(joined->participation.study.content.definition)},
-       {"answered", joined->answered}});
+  return joined_response(*joined);
 }
 
 Outcome<Response> store_answer(Participations& participations, const Request& request) {
@@ -145,6 +141,16 @@ Outcome<void> check_recording(Participations& participations, const Request& req
 
 }  // namespace
 
+Response joined_response(const Participations::Joined& joined) {
+  const auto& [participation, answered] = joined;
+  return json_response(
+      201,
+      {{"seed", participation.participant.seed},
+       {"definition", definition_for_participants(participation.study.content.definition)},
+       {"answered", answered.steps},
+       {"sequence", answered.sequence}});
+}
+
 std::vector<Route> participant_routes(Participations& participations) {
   const auto invite = [&participations](const Request& request, const Principal&) {
     return invitation(participations, request);
@@ -186,11 +192,11 @@ std::vector<Route> participant_routes(Participations& participations) {
       {"POST", all + "invitation", "getStudyInvitation", kWho, invite, {}},
       {"POST", all + "participants", "joinStudy", kWho, join_one, {}},
       {"POST", all + "answers", "answerStudy", kWho, answer_one, {}},
-      {"POST", all + "pictures", "getPictureOfStudy", kWho, picture, {}},
+      {"POST", all + "pictures", "getParticipantPicture", kWho, picture, {}},
       {"POST", all + "visits", "createStudyVisit", kWho, visit, {}},
       {"POST",
        all + "recordings",
-       "recordStudy",
+       "addStudyRecording",
        Access::kParticipant,
        record,
        {},

@@ -7,7 +7,6 @@
 
 #include "api/shared/secrets.h"
 #include "api/studies/answers.h"
-#include "common/ids.h"
 #include "common/try.h"
 
 namespace diaphane::api {
@@ -19,11 +18,23 @@ std::string hash_of(const std::string& key) { return blake2b("participant\n" + k
 
 tl::unexpected<Problem> participation_ended() {
   return refuse(ProblemKind::kParticipationEnded,
-                "Your participation has ended, and your answers are no longer stored.");
+                "Your participation has ended and your answers have been deleted, or this link is "
+                "not valid.");
 }
 
 tl::unexpected<Problem> study_closed() {
   return refuse(ProblemKind::kStudyClosed, "This study is closed. Thank you for your interest.");
+}
+
+tl::unexpected<Problem> study_full() {
+  return refuse(ProblemKind::kStudyFull, "All places of this study are taken.");
+}
+
+/// The problem of a change by a participant that the store refused.
+tl::unexpected<Problem> participant_problem(const Error& error) {
+  if (error.code == ErrorCode::kNotFound) return participation_ended();
+  if (error.code == ErrorCode::kConflict) return study_closed();
+  return refuse(error);
 }
 
 tl::unexpected<Problem> no_such_invitation() {
@@ -58,6 +69,15 @@ Participant new_participant(const std::string& key, const std::string& language,
   return participant;
 }
 
+tl::unexpected<Problem> another_view() {
+  return refuse(ProblemKind::kBusy, "Another view is being opened. Try again in a moment.",
+                std::chrono::seconds(1));
+}
+
+tl::unexpected<Problem> no_recording() {
+  return refuse(ProblemKind::kForbidden, "This participant did not agree to a recording.");
+}
+
 Outcome<json> step_of(const Participation& participation, const std::string& id) {
   const json definition = json::parse(participation.study.content.definition);
   const json* step = find_step(definition, id);
@@ -75,10 +95,22 @@ Outcome<ParticipantStore::Invitation> Participations::invitation(const std::stri
   return *std::move(found);
 }
 
-Outcome<void> Participations::check_address(const Client& client) {
-  const auto wait = parts_.accounts.note_attempt(
-      {{blake2b("study:" + client.address), options_.joins_by_address, std::chrono::minutes(15)}},
+std::string Participations::secret_hash(const std::string& text) const {
+  return blake2b("study\n" + secret_ + "\n" + text);
+}
+
+Outcome<void> Participations::check_address(const std::string& key, const Client& client) {
+  constexpr std::chrono::minutes kWindow{15};
+  // The time of joining is not stored more precisely than the window.
+  const Time window = std::chrono::floor<std::chrono::duration<int, std::ratio<900>>>(
       parts_.clock.wall());
+  const std::string once = secret_hash("key\n" + key);
+  const auto counted = parts_.accounts.note_attempt({{once, 1, kWindow}}, window);
+  if (!counted) return refuse(counted.error());
+  if (*counted) return {};
+  const auto wait = parts_.accounts.note_attempt(
+      {{secret_hash("address\n" + client.address), options_.joins_by_address, kWindow}}, window);
+  if (!wait || *wait) (void)parts_.accounts.forget_attempts(once, window);
   if (!wait) return refuse(wait.error());
   if (!*wait) return {};
   return refuse(ProblemKind::kTooManyAttempts,
@@ -93,9 +125,10 @@ Outcome<Participations::Joined> Participations::add(const std::string& study_id,
     const Error& error = joined.error();
     if (error.code == ErrorCode::kNotFound) return no_such_invitation();
     if (error.code == ErrorCode::kConflict && error.field.empty()) return study_closed();
-    if (error.code == ErrorCode::kTooMany) {
-      return refuse(ProblemKind::kStudyFull, "All places of this study are taken.");
+    if (error.code == ErrorCode::kConflict && error.field == "withdrawn") {
+      return participation_ended();
     }
+    if (error.code == ErrorCode::kTooMany) return study_full();
     return refuse(error);
   }
   auto answered = parts_.store.answered(joined->participant.id);
@@ -108,14 +141,20 @@ Outcome<Participations::Joined> Participations::join(const std::string& token,
                                                      const std::string& language, bool record,
                                                      const Client& client) {
   if (!is_token(key)) return refuse_field("key", "must be 64 hexadecimal digits");
-  const auto invited = invitation(token);
-  DIAPHANE_TRY(invited);
   const auto now = parts_.clock.wall();
   const auto known = parts_.store.find(hash_of(key), now);
   if (!known && known.error().code != ErrorCode::kNotFound) return refuse(known.error());
+  const auto invited = invitation(token);
+  // Somebody who joined with an earlier link goes on.
+  if (known && !invited && invited.error().kind == ProblemKind::kNotFound &&
+      !known->participant.preview) {
+    return add(known->study.id, known->participant, std::nullopt);
+  }
+  DIAPHANE_TRY(invited);
   if (!known) {
     if (!invited->open) return study_closed();
-    DIAPHANE_TRY(check_address(client));
+    if (invited->study.joined >= invited->study.content.places) return study_full();
+    DIAPHANE_TRY(check_address(key, client));
   }
   const bool recorded =
       record && json::parse(invited->study.content.definition).value("record", false);
@@ -156,8 +195,7 @@ Outcome<void> Participations::answer(const std::string& key, StudyAnswer answer,
   DIAPHANE_TRY(kept);
   answer.value = *std::move(kept);
   const auto done = parts_.store.answer(hash_of(key), answer, parts_.clock.wall());
-  if (!done && done.error().code == ErrorCode::kNotFound) return study_closed();
-  if (!done) return refuse(done.error());
+  if (!done) return participant_problem(done.error());
   return {};
 }
 
@@ -173,6 +211,36 @@ Outcome<StudyPicture> Participations::picture(const std::string& key,
   return *std::move(found);
 }
 
+Outcome<void> Participations::check_render_time(const Participation& participation, bool known) {
+  Principal researcher;
+  researcher.user_id = participation.study.owner_id;
+  auto allowed = known ? parts_.render_time.may_go_on(researcher)
+                       : parts_.render_time.may_open(researcher);
+  // The researcher's account is none of the participant's business.
+  if (!allowed && allowed.error().kind == ProblemKind::kRenderTimeSpent) {
+    return refuse(ProblemKind::kBusy,
+                  "This study can't show scans at the moment. Try again later or tell the "
+                  "researcher.",
+                  std::chrono::minutes(5));
+  }
+  return allowed;
+}
+
+Outcome<void> Participations::replace_session(const Participant& participant,
+                                              const std::string& session, Time expires_at) {
+  const std::string& earlier = participant.session_id;
+  // A participant has one session, because it takes one of the researcher's places.
+  if (!earlier.empty() && earlier != session) {
+    if (const auto ended = parts_.placement.end(earlier); !ended) return refuse(ended.error());
+  }
+  const auto noted =
+      parts_.store.note_session(participant.key_hash, earlier, session, expires_at);
+  if (!noted && noted.error().code == ErrorCode::kNotFound) return participation_ended();
+  if (!noted && noted.error().code == ErrorCode::kConflict) return another_view();
+  if (!noted) return refuse(noted.error());
+  return {};
+}
+
 Outcome<Participations::Opened> Participations::visit(const std::string& key,
                                                       const std::string& step_id) {
   const auto participation = find_open(key);
@@ -185,23 +253,17 @@ Outcome<Participations::Opened> Participations::visit(const std::string& key,
   const auto data_set =
       find_for_study(parts_.data_sets, study.owner_id, view["data_set_id"].get<std::string>());
   DIAPHANE_TRY(data_set);
-  Principal researcher;
-  researcher.user_id = study.owner_id;
   const std::string session = id_from("study\n" + participant.id + "\n" + step_id);
-  const bool known = session == participant.session_id;
-  DIAPHANE_TRY(known ? parts_.render_time.may_go_on(researcher)
-                     : parts_.render_time.may_open(researcher));
-  // A participant has one session, because it takes one of the researcher's places.
-  if (!known && !participant.session_id.empty()) (void)parts_.placement.end(participant.session_id);
-  const auto now = parts_.clock.wall();
-  const Time expires = participant.preview
-                           ? Time(now + options_.session_life)
-                           : std::min(study.content.ends_at, Time(now + options_.session_life));
+  DIAPHANE_TRY(check_render_time(*participation, session == participant.session_id));
+  // Stored in whole hours, because the time at which somebody took part is not stored.
+  const Time latest =
+      std::chrono::ceil<std::chrono::hours>(parts_.clock.wall() + options_.session_life);
+  const Time expires = participant.preview ? latest : std::min(study.content.ends_at, latest);
   // Noted before the placement, so that whoever closes the study ends the session.
-  const auto noted = parts_.store.note_session(hash_of(key), session, expires);
-  if (!noted && noted.error().code == ErrorCode::kNotFound) return participation_ended();
-  if (!noted) return refuse(noted.error());
-  PlaceRequest request{session, study.owner_id, data_set->id};
+  DIAPHANE_TRY(replace_session(participant, session, expires));
+  // The session is the participant's, so that the researcher can't watch it.
+  PlaceRequest request{session, participant.id, data_set->id};
+  request.charged_to = study.owner_id;
   request.first_scene = scene_bytes_(view["scene"].dump());
   request.viewer = SessionViewer::kLinkVisitor;
   const auto placed = parts_.placement.place(request);
@@ -214,30 +276,32 @@ Outcome<Participations::Opened> Participations::visit(const std::string& key,
                   std::chrono::seconds(5));
   }
   if (!placed) return refuse(placed.error());
-  // The study may have been closed during the placement, by a request that did not see the session.
+  // The study may have been closed or another session opened during the placement, by a request
+  // that did not see this session.
   const auto still = find_open(key);
-  if (!still) (void)parts_.placement.end(session);
+  const bool current = still && still->participant.session_id == session;
+  if (!current) (void)parts_.placement.end(session);
   DIAPHANE_TRY(still);
+  if (!current) return another_view();
   return Opened{session, "/stream?ticket=" + placed->ticket, expires};
 }
 
 Outcome<void> Participations::may_record(const std::string& key) {
   const auto participation = find_open(key);
   DIAPHANE_TRY(participation);
-  if (participation->participant.recorded) return {};
-  return refuse(ProblemKind::kForbidden, "This participant did not agree to a recording.");
+  if (!participation->participant.recorded) return no_recording();
+  return {};
 }
 
 Outcome<void> Participations::record(const std::string& key, const std::string& step,
                                      const std::string& body) {
-  DIAPHANE_TRY(may_record(key));
   const auto participation = find_open(key);
   DIAPHANE_TRY(participation);
+  if (!participation->participant.recorded) return no_recording();
   DIAPHANE_TRY(step_of(*participation, step));
   const auto done = parts_.store.add_recording(hash_of(key), step, body, options_.recordings,
                                                parts_.clock.wall());
-  if (!done && done.error().code == ErrorCode::kNotFound) return study_closed();
-  if (!done) return refuse(done.error());
+  if (!done) return participant_problem(done.error());
   return {};
 }
 
@@ -258,7 +322,10 @@ Outcome<void> Participations::withdraw(const std::string& key) {
   if (!is_token(key)) return {};
   const auto session = parts_.store.withdraw(hash_of(key));
   if (!session) return refuse(session.error());
-  if (!session->empty()) (void)parts_.placement.end(*session);
+  // If this fails, the background task ends the session (StudyStore::expire).
+  if (!session->empty() && parts_.placement.end(*session)) {
+    (void)parts_.studies.forget_session(*session);
+  }
   return {};
 }
 

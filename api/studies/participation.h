@@ -8,6 +8,7 @@
 #include "api/accounts/account_store.h"
 #include "api/sessions/render_time.h"
 #include "api/studies/studies.h"
+#include "common/ids.h"
 
 namespace diaphane::api {
 
@@ -32,7 +33,7 @@ class Participations {
   };
   struct Joined {
     Participation participation;
-    std::vector<std::string> answered;
+    ParticipantStore::Answered answered;
   };
   struct Opened {
     std::string session_id, stream_url;
@@ -45,7 +46,8 @@ class Participations {
       : parts_(parts), options_(options), scene_bytes_(std::move(scene_bytes)) {}
 
   Outcome<ParticipantStore::Invitation> invitation(const std::string& token);
-  /// Returns kNotFound for an unknown token, kStudyClosed, kStudyFull or kTooManyAttempts.
+  /// Returns kNotFound for an unknown token with an unknown key, kStudyClosed, kStudyFull,
+  /// kTooManyAttempts, or kParticipationEnded for the key of a participant who withdrew.
   Outcome<Joined> join(const std::string& token, const std::string& key,
                        const std::string& language, bool record, const Client& client);
   /// Joins the researcher's own study, also a draft, for a day and without being counted.
@@ -70,11 +72,19 @@ class Participations {
   Outcome<Participation> find_open(const std::string& key);
   Outcome<Joined> add(const std::string& study_id, const Participant& participant,
                       const std::optional<Time>& preview_until);
-  Outcome<void> check_address(const Client& client);
+  /// Counts a new participant for their address, once for each key.
+  Outcome<void> check_address(const std::string& key, const Client& client);
+  std::string secret_hash(const std::string& text) const;
+  Outcome<void> check_render_time(const Participation& participation, bool known);
+  /// Records the session in place of the participant's earlier one, which it ends.
+  Outcome<void> replace_session(const Participant& participant, const std::string& session,
+                                Time expires_at);
 
   Parts parts_;
   Options options_;
   std::function<std::string(const std::string&)> scene_bytes_;
+  /// Known only to this process, so that nobody can find the addresses whose hashes are stored.
+  const std::string secret_ = random_hex(32);
 };
 
 }  // namespace diaphane::api

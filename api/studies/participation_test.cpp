@@ -86,13 +86,15 @@ TEST_F(ParticipationTest, TheResearcherPaysForTheSessionOfAParticipant) {
   const auto opened = participations.visit(key, "look");
   ASSERT_TRUE(opened);
   const PlaceRequest& request = placement.requests.back();
-  EXPECT_EQ(request.user_id, owner.user_id);
+  EXPECT_EQ(request.user_id, store.people.begin()->second.id) << "the researcher can't watch it";
+  EXPECT_EQ(request.charged_to, owner.user_id);
   EXPECT_EQ(request.viewer, SessionViewer::kLinkVisitor);
   EXPECT_EQ(request.first_scene, "bytes of {\"a\":1}");
   EXPECT_FALSE(request.slices || request.downloads || request.visitor);
   EXPECT_EQ(opened->expires_at, store.study.content.ends_at);
   render_time_store.accounts[owner.user_id] = {};
-  EXPECT_EQ(refusal(participations.visit(key, "again")), ProblemKind::kRenderTimeSpent);
+  EXPECT_EQ(refusal(participations.visit(key, "again")), ProblemKind::kBusy)
+      << "the quota of the researcher is not told to participants";
 }
 
 TEST_F(ParticipationTest, AParticipantHasOneSession) {
@@ -102,6 +104,45 @@ TEST_F(ParticipationTest, AParticipantHasOneSession) {
   EXPECT_EQ(participations.visit(key, "look")->session_id, first->session_id);
   ASSERT_TRUE(participations.visit(key, "again"));
   EXPECT_EQ(placement.ended, std::vector{first->session_id});
+}
+
+TEST_F(ParticipationTest, AVisitThatAnotherOneOvertakesLeavesNoSession) {
+  ASSERT_TRUE(join(key));
+  bool nested = false;
+  std::string later;
+  placement.before("place", [&] {
+    if (std::exchange(nested, true)) return;
+    later = participations.visit(key, "again")->session_id;
+  });
+  EXPECT_EQ(refusal(participations.visit(key, "look")), ProblemKind::kBusy);
+  ASSERT_EQ(placement.sessions.size(), 1U);
+  EXPECT_EQ(placement.sessions.begin()->first, later);
+}
+
+TEST_F(ParticipationTest, TheEarlierSessionIsNotForgottenIfItCanNotBeEnded) {
+  ASSERT_TRUE(join(key));
+  const auto first = participations.visit(key, "look");
+  placement.break_function("end");
+  EXPECT_EQ(refusal(participations.visit(key, "again")), ProblemKind::kUnavailable);
+  EXPECT_EQ(store.people.begin()->second.session_id, first->session_id);
+}
+
+TEST_F(ParticipationTest, ARepeatedAttemptToJoinCountsOnce) {
+  store.study.content.places = 10;
+  store.break_function("join");
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(refusal(join(key)), ProblemKind::kUnavailable);
+  store.repair("join");
+  ASSERT_TRUE(join(other)) << "two places per address";
+  for (const auto& [hash, at] : accounts.attempts) {
+    EXPECT_EQ(at.time_since_epoch() % std::chrono::minutes(15), Time::duration(0));
+    EXPECT_NE(hash, blake2b("study:192.0.2.1"));
+  }
+}
+
+TEST_F(ParticipationTest, AClosedStudyAndAWithdrawalHaveDifferentProblems) {
+  ASSERT_TRUE(join(key));
+  store.before("answer", [&] { store.people.clear(); });
+  EXPECT_EQ(rate({{"rating", 1}}), ProblemKind::kParticipationEnded);
 }
 
 TEST_F(ParticipationTest, ASessionEndsIfTheStudyClosesDuringItsPlacement) {

@@ -12,6 +12,9 @@ namespace diaphane::api {
 
 std::vector<Route> study_routes(Studies& studies, Participations& participations,
                                 const Clock& clock);
+/// The answer to somebody who joined, or to a researcher who previews a study.
+Response joined_response(const Participations::Joined& joined);
+
 std::vector<Route> participant_routes(Participations& participations);
 
 }  // namespace diaphane::api

@@ -1,6 +1,7 @@
 #include "api/studies/studies.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -32,6 +33,31 @@ std::set<std::string> pictures_in(const json& definition) {
   }
   return ids;
 }
+
+/// Returns a member of a document from another service, or null if it has none.
+json member(const json& of, const char* name) {
+  return of.is_object() ? of.value(name, json()) : json();
+}
+
+/// Whether this is a difference between two RGB colours.
+bool is_difference(const json& value) {
+  return value.is_array() && value.size() == 3 && std::ranges::all_of(value, [](const json& one) {
+           return one.is_number() && std::abs(one.get<double>()) <= 1;
+         });
+}
+
+/// Calls a function when it goes out of scope, also because of an exception.
+template <typename Function>
+class AtExit {
+ public:
+  explicit AtExit(Function function) : function_(std::move(function)) {}
+  ~AtExit() { function_(); }
+  AtExit(const AtExit&) = delete;
+  AtExit& operator=(const AtExit&) = delete;
+
+ private:
+  Function function_;
+};
 
 }  // namespace
 
@@ -106,8 +132,10 @@ Outcome<Study> Studies::find(const Principal& who, const std::string& id) {
 Outcome<Study> Studies::replace(const Principal& who, const std::string& id, int version,
                                 const StudyContent& content) {
   DIAPHANE_TRY(find(who, id));
-  const auto done = store_.replace(who.user_id, id, version, content);
-  if (!done) return study_problem(done.error());
+  const auto sessions = store_.replace(
+      who.user_id, id, version, pictures_in(json::parse(content.definition)), content);
+  if (!sessions) return study_problem(sessions.error());
+  end(*sessions);
   return find(who, id);
 }
 
@@ -121,7 +149,7 @@ Outcome<void> Studies::remove(const Principal& who, const std::string& id) {
 
 void Studies::end(const StudyStore::SessionIds& sessions) {
   for (const std::string& session : sessions) {
-    // The background task tries again if Redis is unavailable.
+    // The store keeps the session, so that the background task tries again if Redis is unavailable.
     if (placement_.end(session)) {
       (void)store_.forget_session(session);
     } else {
@@ -169,7 +197,7 @@ Outcome<Study> Studies::set_state(const Principal& who, const std::string& id, S
     }
     DIAPHANE_TRY(check_scans_and_pictures(who, *study));
   }
-  const auto sessions = store_.set_state(who.user_id, id, state, now);
+  const auto sessions = store_.set_state(who.user_id, id, study->version, state, now);
   if (!sessions) return study_problem(sessions.error());
   end(*sessions);
   return find(who, id);
@@ -232,16 +260,14 @@ Outcome<std::string> Studies::run_analysis(const Study& study, const std::string
     }
     ++analyses_;
   }
-  const auto run = [&]() -> Result<std::string> {
-    const auto name = exports_.write_json(study);
-    DIAPHANE_TRY(name);
-    auto results = analysis_.analyse(exports_.path_of(*name), language);
-    exports_.remove(*name);
-    return results;
-  };
-  auto results = run();
-  const std::lock_guard lock(mutex_);
-  --analyses_;
+  const AtExit counted([&] {
+    const std::lock_guard lock(mutex_);
+    --analyses_;
+  });
+  const auto name = exports_.write_json(study);
+  if (!name) return refuse(name.error());
+  const AtExit removed([&] { exports_.remove(*name); });
+  auto results = analysis_.analyse(exports_.path_of(*name), language);
   if (!results) return refuse(results.error());
   return *std::move(results);
 }
@@ -266,14 +292,8 @@ Outcome<void> Studies::adopt_comfort(const Principal& administrator, const std::
   const auto results = run_analysis(*study, "en");
   DIAPHANE_TRY(results);
   const json read = json::parse(*results, nullptr, false);
-  const json comfort =
-      read.is_object() ? read.value(json::json_pointer("/adoptable/comfort"), json()) : json();
-  const auto is_colour = [&](const char* name) {
-    return comfort.is_object() && comfort.contains(name) && comfort[name].is_array() &&
-           comfort[name].size() == 3 &&
-           std::ranges::all_of(comfort[name], [](const json& one) { return one.is_number(); });
-  };
-  if (!is_colour("bone") || !is_colour("blood")) {
+  const json comfort = member(member(read, "adoptable"), "comfort");
+  if (!is_difference(member(comfort, "bone")) || !is_difference(member(comfort, "blood"))) {
     return refuse(ProblemKind::kConflict, "The results of this study are not clear enough to use.");
   }
   const json adopted{{"bone", comfort["bone"]},

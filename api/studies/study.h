@@ -70,6 +70,9 @@ struct Participation {
 /// Maximum number of pictures of a study.
 inline constexpr std::size_t kMostStudyPictures = 20;
 
+/// Maximum number of previews of a study, of which a new one replaces the oldest.
+inline constexpr int kMostPreviews = 10;
+
 /// The largest seed is below 2^53, so that a number of JavaScript holds it exactly.
 inline constexpr std::int64_t kSeeds = std::int64_t{1} << 53;
 

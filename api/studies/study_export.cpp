@@ -1,6 +1,7 @@
 #include "api/studies/study_export.h"
 
 #include <algorithm>
+#include <array>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -18,8 +19,10 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr const char* kFolder = "studies";
+/// Without it, Excel does not read a CSV file as UTF-8.
+constexpr const char* kByteOrderMark = "\xef\xbb\xbf";
 
-ordered_json day_of(const std::optional<Time>& time) {
+ordered_json time_text(const std::optional<Time>& time) {
   if (!time) return nullptr;
   const std::time_t seconds = std::chrono::system_clock::to_time_t(*time);
   std::tm utc{};
@@ -68,14 +71,21 @@ std::string quoted(const std::string& text) {
   return field + '"';
 }
 
-/// Returns the value as a field. A spreadsheet would run a text that begins like a formula, so it
-/// gets an apostrophe.
+/// Returns a text as a field. A spreadsheet would run a text that begins like a formula, also in
+/// full-width characters, so it gets an apostrophe.
+std::string csv_text(const std::string& text) {
+  constexpr std::array<std::string_view, 11> kFormulas{"=",  "+",  "-",  "@",  "\t", "\r",
+                                                       "\n", "＝", "＋", "－", "＠"};
+  const bool formula = std::ranges::any_of(
+      kFormulas, [&](std::string_view one) { return text.starts_with(one); });
+  return quoted(formula ? "'" + text : text);
+}
+
+/// Returns the value as a field.
 std::string csv_value(const json& value) {
   if (!value.is_string()) return value.dump();
   const auto& text = value.get_ref<const std::string&>();
-  const bool formula =
-      !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
-  return quoted(formula ? "'" + text : text);
+  return csv_text(text);
 }
 
 /// Writes one line for each simple value: the field is its path, such as "trials.0.rating".
@@ -143,8 +153,8 @@ Result<std::string> StudyExports::write_json(const Study& study) {
   std::ofstream out(path_of(*name), std::ios::binary);
   const ordered_json head{{"id", study.id},
                           {"definition", ordered_json::parse(study.content.definition)},
-                          {"opened_at", day_of(study.opened_at)},
-                          {"closed_at", day_of(study.closed_at)},
+                          {"opened_at", time_text(study.opened_at)},
+                          {"closed_at", time_text(study.closed_at)},
                           {"withdrawn", study.withdrawn}};
   out << R"({"format":"diaphane-study","version":1,"study":)" << head.dump()
       << ",\"participants\":[";
@@ -187,14 +197,14 @@ Result<std::string> StudyExports::write_zip(const Study& study) {
   DIAPHANE_TRY(name);
   DIAPHANE_TRY(table);
   std::ofstream out(path_of(*table), std::ios::binary);
-  out << "participant,language,seed,day,state,step,kind,field,value,duration_ms\r\n";
+  out << kByteOrderMark << "participant,language,seed,day,state,step,kind,field,value,duration_ms\r\n";
   for (const Participant& one : *participants) {
     const auto answers = sorted_answers(store_, one, steps);
     DIAPHANE_TRY(answers);
     for (const StudyAnswer& answer : *answers) {
       const std::string before = std::to_string(one.number) + "," + one.language + "," +
                                  std::to_string(one.seed) + "," + one.day + "," + state_of(one) +
-                                 "," + answer.step + "," + steps.at(answer.step).kind;
+                                 "," + csv_text(answer.step) + "," + steps.at(answer.step).kind;
       write_fields(out, before, "", json::parse(answer.value), answer.duration_ms);
     }
   }
@@ -204,7 +214,7 @@ Result<std::string> StudyExports::write_zip(const Study& study) {
     const auto zip = make_zip_(path_of(*name));
     DIAPHANE_TRY(zip);
     DIAPHANE_TRY((*zip)->add_file("answers.csv", path_of(*table)));
-    DIAPHANE_TRY((*zip)->add("data_dictionary.csv", kDictionary));
+    DIAPHANE_TRY((*zip)->add("data_dictionary.csv", std::string(kByteOrderMark) + kDictionary));
     DIAPHANE_TRY(
         (*zip)->add("definition.json", ordered_json::parse(study.content.definition).dump(2)));
     DIAPHANE_TRY((*zip)->finish());

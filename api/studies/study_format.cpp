@@ -140,7 +140,6 @@ class DefinitionReader {
         wrong(field + ".id", "must be unique");
       }
     }
-    // The tree of a body of 1 MB may be larger when it is written out again.
     if (pictures_.size() > kMostStudyPictures) {
       wrong("definition.steps", "must have at most 20 pictures together");
     }
@@ -299,6 +298,25 @@ class DefinitionReader {
     }
   }
 
+  /// Whether the region of a valid view is on one side of the camera's target, so that it can be
+  /// turned to the front.
+  static bool marks_a_side(const json& view) {
+    constexpr double kNearestMm = 1;
+    if (!view.is_object() || !view.contains("region")) return false;
+    if (!view["region"].is_object() || !view["scene"].is_object()) return false;
+    const json centre = view["region"].value("centre", json());
+    const json target = view["scene"].value(json::json_pointer("/camera/target"), json::object());
+    if (!centre.is_array() || centre.size() != 3) return false;
+    constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+    double squared = 0;
+    for (std::size_t i = 0; i < kAxes.size(); ++i) {
+      if (!centre[i].is_number()) return false;
+      const double part = centre[i].get<double>() - target.value(kAxes[i], 0.0);
+      squared += part * part;
+    }
+    return squared > kNearestMm * kNearestMm;
+  }
+
   void check_latency(const std::string& field, json& step) {
     const json& delays = step["delays_ms"];
     if (!delays.is_array() || delays.empty() || delays.size() > kMostDelays ||
@@ -309,6 +327,10 @@ class DefinitionReader {
     if (step["view"].is_object() && step["view"].contains("start") &&
         step["view"]["start"] != "random") {
       wrong(field + ".view.start", "must be random");
+    }
+    if (!marks_a_side(step["view"])) {
+      wrong(field + ".view.region",
+            "must be there and its centre more than 1 mm from the camera's target");
     }
   }
 
@@ -330,6 +352,7 @@ StudyContent read_definition(Fields& in, Time now) {
   reader.read(now);
   StudyContent content;
   content.definition = definition.dump();
+  // The tree of a body of 1 MB may be larger when it is written out again.
   if (content.definition.size() > kMostDefinitionBytes) {
     in.wrong("definition", "is too large (1 MB at most)");
   }

@@ -14,15 +14,17 @@ void note_study(pqxx::work& transaction, const std::string& owner_id, const std:
   note_in_audit_log(transaction, {AuditActor::kPerson, owner_id, action, "study", id, {}}, now);
 }
 
-/// Locks a study, so that concurrent changes to it and joins are serialised. Returns its row.
+/// Locks a study, so that concurrent changes to it and joins are serialised. Returns its row. The
+/// second statement sees what the transactions that the lock waited for have written.
 pqxx::result lock_study(pqxx::work& transaction, const std::string& owner_id,
                         const std::string& id) {
+  transaction.exec_params("SELECT 1 FROM studies WHERE id = $1::uuid FOR UPDATE", id);
   return transaction.exec_params(
       R"sql(
       SELECT s.version, s.state,
              s.withdrawn > 0 OR EXISTS (SELECT FROM study_participants p
                                          WHERE p.study_id = s.id AND p.preview_until IS NULL) AS begun
-        FROM studies s WHERE s.id = $1::uuid AND s.owner_id = $2::uuid FOR UPDATE)sql",
+        FROM studies s WHERE s.id = $1::uuid AND s.owner_id = $2::uuid)sql",
       id, owner_id);
 }
 
@@ -101,9 +103,11 @@ Result<Study> StudyRepository::find(const std::string& owner_id, const std::stri
   });
 }
 
-Result<void> StudyRepository::replace(const std::string& owner_id, const std::string& id,
-                                      int version, const StudyContent& content) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+Result<StudyStore::SessionIds> StudyRepository::replace(const std::string& owner_id,
+                                                        const std::string& id, int version,
+                                                        const std::set<std::string>& pictures,
+                                                        const StudyContent& content) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<SessionIds> {
     const auto row = lock_study(transaction, owner_id, id);
     if (row.empty()) return no_study();
     if (row[0]["begun"].as<bool>()) return already_begun();
@@ -115,12 +119,21 @@ Result<void> StudyRepository::replace(const std::string& owner_id, const std::st
     transaction.exec_params0(
         R"sql(
         UPDATE studies SET definition = $2, title = $3, places = $4, ends_at = to_timestamp($5::bigint / 1e6),
-                           version = version + 1, state = 'draft'
+                           version = version + 1, state = 'draft', opened_at = NULL, closed_at = NULL
          WHERE id = $1::uuid)sql",
         id, content.definition, content.title, content.places, to_us(content.ends_at));
+    std::string kept;  // IDs have no comma
+    for (const std::string& one : pictures) kept += one + ",";
+    transaction.exec_params0(
+        "DELETE FROM study_pictures WHERE study_id = $1::uuid AND picture_id <> "
+        "ALL(string_to_array($2, ','))",
+        id, kept);
     // The answers of a preview may not fit the new steps.
-    transaction.exec_params0("DELETE FROM study_participants WHERE study_id = $1::uuid", id);
-    return {};
+    SessionIds sessions = sessions_of(transaction, id);
+    transaction.exec_params0(
+        "DELETE FROM study_participants WHERE study_id = $1::uuid AND preview_until IS NOT NULL",
+        id);
+    return sessions;
   });
 }
 
@@ -136,13 +149,24 @@ Result<StudyStore::SessionIds> StudyRepository::remove(const std::string& owner_
 }
 
 Result<StudyStore::SessionIds> StudyRepository::set_state(const std::string& owner_id,
-                                                          const std::string& id, StudyState state,
-                                                          Time now) {
+                                                          const std::string& id, int version,
+                                                          StudyState state, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<SessionIds> {
     const auto row = lock_study(transaction, owner_id, id);
     if (row.empty()) return no_study();
     if (row[0]["state"].as<std::string>() == to_string(state)) return SessionIds{};
     const bool opens = state == StudyState::kOpen;
+    if (!opens && row[0]["state"].as<std::string>() == "draft") {
+      return fail(ErrorCode::kConflict, "This study is a draft. Only an open study can be closed.");
+    }
+    if (opens && row[0]["version"].as<int>() != version) {
+      return fail(ErrorCode::kConflict, "Someone has changed this study in the meantime. Try again.");
+    }
+    // Waits for an administrator who is withdrawing the role.
+    const auto role = transaction.exec_params(
+        "SELECT 1 FROM users WHERE id = $1::uuid AND is_researcher AND disabled_at IS NULL FOR SHARE",
+        owner_id);
+    if (role.empty()) return no_study();
     transaction.exec_params0(
         R"sql(
         UPDATE studies
@@ -311,20 +335,19 @@ Result<StudyStore::SessionIds> StudyRepository::expire(Time now) {
           transaction,
           {AuditActor::kMachine, "", "study.closed", "study", row[0].as<std::string>(), {}}, now);
     }
-    // A preview is deleted after its session, so that an unavailable Redis leaves no session
-    // behind.
     transaction.exec_params0(
-        "DELETE FROM study_participants WHERE preview_until <= to_timestamp($1::bigint / 1e6) AND "
-        "session_id IS NULL",
+        "DELETE FROM study_participants WHERE preview_until <= to_timestamp($1::bigint / 1e6)",
         to_us(now));
     SessionIds over;
     for (const pqxx::row& row : transaction.exec_params(
              R"sql(
              SELECT p.session_id
-               FROM study_participants p JOIN studies s ON s.id = p.study_id
+               FROM study_participants p JOIN studies s ON s.id = p.study_id JOIN users u ON u.id = s.owner_id
               WHERE p.session_id IS NOT NULL
                 AND (p.session_expires_at <= to_timestamp($1::bigint / 1e6)
-                     OR (p.preview_until IS NULL AND s.state <> 'open')))sql",
+                     OR NOT u.is_researcher OR u.disabled_at IS NOT NULL
+                     OR (p.preview_until IS NULL AND s.state <> 'open'))
+              UNION SELECT session_id FROM study_ended_sessions)sql",
              to_us(now))) {
       over.push_back(row[0].as<std::string>());
     }
@@ -338,6 +361,8 @@ Result<void> StudyRepository::forget_session(const std::string& session_id) {
         "UPDATE study_participants SET session_id = NULL, session_expires_at = NULL WHERE "
         "session_id = $1::uuid",
         session_id);
+    transaction.exec_params0("DELETE FROM study_ended_sessions WHERE session_id = $1::uuid",
+                             session_id);
     return {};
   });
 }

@@ -14,11 +14,12 @@ class StudyRepository final : public StudyStore {
   Result<std::vector<Study>> of(const std::string& owner_id, const std::optional<Cursor>& after,
                                 int limit, Time now) override;
   Result<Study> find(const std::string& owner_id, const std::string& id, Time now) override;
-  Result<void> replace(const std::string& owner_id, const std::string& id, int version,
-                       const StudyContent& content) override;
+  Result<SessionIds> replace(const std::string& owner_id, const std::string& id, int version,
+                             const std::set<std::string>& pictures,
+                             const StudyContent& content) override;
   Result<SessionIds> remove(const std::string& owner_id, const std::string& id, Time now) override;
-  Result<SessionIds> set_state(const std::string& owner_id, const std::string& id, StudyState state,
-                               Time now) override;
+  Result<SessionIds> set_state(const std::string& owner_id, const std::string& id, int version,
+                               StudyState state, Time now) override;
   Result<void> set_link(const std::string& owner_id, const std::string& id,
                         const std::string& token_hash) override;
   Result<void> put_picture(const std::string& owner_id, const std::string& id,
@@ -48,15 +49,15 @@ class ParticipantRepository final : public ParticipantStore {
   Result<Participation> join(const std::string& study_id, const Participant& participant,
                              const std::optional<Time>& preview_until, Time now) override;
   Result<Participation> find(const std::string& key_hash, Time now) override;
-  Result<std::vector<std::string>> answered(const std::string& participant_id) override;
+  Result<Answered> answered(const std::string& participant_id) override;
   Result<void> answer(const std::string& key_hash, const StudyAnswer& answer, Time now) override;
   Result<void> add_recording(const std::string& key_hash, const std::string& step,
                              const std::string& body, const RecordingLimits& limits,
                              Time now) override;
   Result<void> finish(const std::string& key_hash) override;
   Result<std::string> withdraw(const std::string& key_hash) override;
-  Result<void> note_session(const std::string& key_hash, const std::string& session_id,
-                            Time expires_at) override;
+  Result<void> note_session(const std::string& key_hash, const std::string& earlier,
+                            const std::string& session_id, Time expires_at) override;
 
  private:
   Database& database_;

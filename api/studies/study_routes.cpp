@@ -91,11 +91,7 @@ Outcome<Response> preview(Participations& participations, const Request& request
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto joined = participations.preview(who, request.parameter("study_id"), key);
   DIAPHANE_TRY(joined);
-  return json_response(
-      201,
-      {{"seed", joined->participation.participant.seed},
-       {"definition", definition_for_participants(joined->participation.study.content.definition)},
-       {"answered", joined->answered}});
+  return joined_response(*joined);
 }
 
 /// Sends a file of the cache directory. The edge sends it, because a response is at most 1 MB.
@@ -165,7 +161,7 @@ std::vector<Route> comfort_routes(Studies& studies) {
                                                             : ordered_json::parse(*comfort)}});
   };
   return {
-      {"POST", "/v1/studies/{study_id}/adoption", "adoptStudy", Access::kAdministrator, adopt, {}},
+      {"POST", "/v1/studies/{study_id}/adoption", "adoptStudyResults", Access::kAdministrator, adopt, {}},
       {"DELETE", "/v1/perception/comfort", "resetComfort", Access::kAdministrator, reset, {}},
       {"GET", "/v1/perception", "getPerception", Access::kAnyone, get, {}},
   };

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -30,12 +31,16 @@ class StudyStore {
                                         Time now) = 0;
   virtual Result<Study> find(const std::string& owner_id, const std::string& id, Time now) = 0;
   /// Returns kConflict if somebody has joined, with the field "version" if it is not `version`.
-  virtual Result<void> replace(const std::string& owner_id, const std::string& id, int version,
+  /// Deletes previews, and pictures that are not in `pictures`.
+  virtual Result<SessionIds> replace(const std::string& owner_id, const std::string& id,
+                                     int version, const std::set<std::string>& pictures,
                                const StudyContent& content) = 0;
   virtual Result<SessionIds> remove(const std::string& owner_id, const std::string& id,
                                     Time now) = 0;
+  /// Opens or closes the study. Returns kConflict if a study to be opened no longer has `version`
+  /// or a draft is to be closed, and kNotFound if the owner lost the role.
   virtual Result<SessionIds> set_state(const std::string& owner_id, const std::string& id,
-                                       StudyState state, Time now) = 0;
+                                       int version, StudyState state, Time now) = 0;
   virtual Result<void> set_link(const std::string& owner_id, const std::string& id,
                                 const std::string& token_hash) = 0;
   /// Returns kTooMany if the study already has `most` others, or kConflict if somebody has joined.
@@ -63,7 +68,8 @@ class StudyStore {
   virtual Result<void> set_comfort(const std::string& administrator_id, const std::string& study_id,
                                    const std::string& comfort, Time now) = 0;
 
-  /// Closes the studies that have ended, and deletes old previews. Returns the sessions to end.
+  /// Closes the studies that have ended, and deletes old previews. Returns the sessions to end,
+  /// which include those of participants who are gone.
   virtual Result<SessionIds> expire(Time now) = 0;
   /// Forgets a session that was ended.
   virtual Result<void> forget_session(const std::string& session_id) = 0;
@@ -86,14 +92,18 @@ class ParticipantStore {
   };
   virtual Result<Invitation> invitation(const std::string& token_hash, Time now) = 0;
   /// Adds a participant to the study. Returns the existing one for a known key, kConflict if the
-  /// key belongs to another study or the study is not open, or kTooMany if all places are taken.
-  /// Checks neither for a preview.
+  /// key belongs to another study (field "key"), its participant withdrew (field "withdrawn") or the
+  /// study is not open, or kTooMany if all places are taken. Checks neither openness nor places for
+  /// a preview, and deletes the oldest preview if there are kMostPreviews.
   virtual Result<Participation> join(const std::string& study_id, const Participant& participant,
                                      const std::optional<Time>& preview_until, Time now) = 0;
   virtual Result<Participation> find(const std::string& key_hash, Time now) = 0;
-  /// Returns the IDs of the answered steps.
-  virtual Result<std::vector<std::string>> answered(const std::string& participant_id) = 0;
-  /// Stores the answer unless a later one is stored. Returns kNotFound if answers are no longer
+  struct Answered {
+    std::vector<std::string> steps;  ///< IDs
+    std::int64_t sequence = 0;       ///< the highest one
+  };
+  virtual Result<Answered> answered(const std::string& participant_id) = 0;
+  /// Stores the answer unless a later one is stored. Returns kConflict if answers are no longer
   /// accepted.
   virtual Result<void> answer(const std::string& key_hash, const StudyAnswer& answer, Time now) = 0;
   virtual Result<void> add_recording(const std::string& key_hash, const std::string& step,
@@ -103,7 +113,9 @@ class ParticipantStore {
   /// Deletes everything of the participant and counts a withdrawal. Returns the session to end, or
   /// an empty string.
   virtual Result<std::string> withdraw(const std::string& key_hash) = 0;
-  virtual Result<void> note_session(const std::string& key_hash, const std::string& session_id,
+  /// Replaces the session `earlier`. Returns kConflict if the participant has another one by now.
+  virtual Result<void> note_session(const std::string& key_hash, const std::string& earlier,
+                                    const std::string& session_id,
                                     Time expires_at) = 0;
 };
 

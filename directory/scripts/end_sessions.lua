@@ -4,9 +4,10 @@
 
 local function finish(session)
   local session_key = keys.session(session)
-  local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker')
+  local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'charged_to')
   if not s[1] then return 0 end
   redis.call('ZREM', keys.user_sessions(s[1]), session)
+  if s[4] then redis.call('ZREM', keys.user_sessions(s[4]), session) end
   redis.call('ZREM', keys.data_set_sessions(s[2]), session)
   if s[3] then redis.call('ZREM', keys.worker_sessions(s[3]), session) end
   for _, hash in ipairs(redis.call('SMEMBERS', keys.session_links(session))) do
@@ -27,8 +28,12 @@ if ARGV[1] == 'browser' then
   local ended = 0
   for _, session in ipairs(redis.call('ZRANGE', keys.user_sessions(ARGV[3]), 0, -1)) do
     -- If the field is missing, the worker restored the session after Redis had lost it. It may belong to this browser.
-    local browsers = redis.call('HGET', keys.session(session), 'browsers')
-    if not browsers or string.find(browsers, ',' .. ARGV[2] .. ',', 1, true) then ended = ended + finish(session) end
+    local s = redis.call('HMGET', keys.session(session), 'browsers', 'charged_to')
+    local browsers = s[1]
+    -- A session that is only charged to the user belongs to a browser of somebody else.
+    if not s[2] and (not browsers or string.find(browsers, ',' .. ARGV[2] .. ',', 1, true)) then
+      ended = ended + finish(session)
+    end
   end
   return ended
 end

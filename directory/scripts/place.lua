@@ -9,7 +9,8 @@
 --       relation of the viewer to the scan (SessionViewer), and whether the owner allows slices (1 or 0);
 --       "1" for a viewer without an account; percentage of all slots that such viewers may hold together;
 --       hash of the address of such a viewer: one address may hold at most half of that share;
---       whether the owner allows downloads (1 or 0)
+--       whether the owner allows downloads (1 or 0);
+--       account that the session is charged to, or empty for the user
 -- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full",
 -- "no_memory", "visitors". If the session is not placed, writes nothing but that fact.
 
@@ -24,7 +25,9 @@ if browser ~= '' and redis.call('EXISTS', keys.browser_ended(browser)) == 1 then
 
 local now = now_ms()
 local session_key = keys.session(session)
-local user_key = keys.user_sessions(user)
+-- A session that is charged to another account counts towards its limit.
+local charged_to = ARGV[23] or ''
+local user_key = keys.user_sessions(charged_to ~= '' and charged_to or user)
 local data_set_key = keys.data_set_sessions(data_set)
 
 -- Numbers for more than kSampledWorkers workers: `kLookers` of the newest sessions on the same data set, whose workers
@@ -209,6 +212,7 @@ end
 redis.call('HSET', session_key, 'user', user, 'data_set', data_set, 'worker', chosen.id,
            'incarnation', chosen.incarnation, 'reserved_until', until_ms, 'visitor', visitor and '1' or '')
 if visitor and is_new then redis.call('HSET', session_key, 'visitor_from', visitor_from) end
+if charged_to ~= '' then redis.call('HSET', session_key, 'charged_to', charged_to) end
 -- Records all browsers that got a ticket. Signing out any of them ends the session.
 if browser ~= '' then
   local browsers = redis.call('HGET', session_key, 'browsers') or ','

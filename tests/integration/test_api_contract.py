@@ -45,7 +45,7 @@ def boss(api):  # noqa: F811
 
 
 FOR_ADMINISTRATORS = {"listUsers", "getUser", "changeUser", "listAudit", "getFleet", "takeDownDataSet", "restoreDataSet", "takeDownPreset",
-                      "restorePreset", "listReports", "countReports", "listTakeDowns", "dismissReport", "adoptStudy", "resetComfort"}
+                      "restorePreset", "listReports", "countReports", "listTakeDowns", "dismissReport", "adoptStudyResults", "resetComfort"}
 
 
 @pytest.fixture(scope="module", autouse=True)

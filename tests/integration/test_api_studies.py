@@ -7,7 +7,9 @@ import io
 import json
 import secrets
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 
+import psycopg
 import pytest
 from api_client import add_worker, api, client, forget_attempts, other, person, problem, remove_worker  # noqa: F401
 from study_helpers import (ANSWERS, BOTH, CAMERA, SCENE, Participant, create, definition, every_kind, export, in_days, joined, opened, picture,
@@ -202,6 +204,7 @@ def test_a_participant_answers_every_kind_and_the_exports_hold_it(api, lab, scan
         assert one.answer(name, value).status_code == 204, name
     again = one.join().json()
     assert again["seed"] == first.json()["seed"] and set(again["answered"]) == set(ANSWERS)
+    assert first.json()["sequence"] == 0 and again["sequence"] == one.sequence
     assert one.post("pictures", picture="a").content == picture()
     assert one.post("finish").status_code == 204
     exported = export(lab, study)
@@ -214,10 +217,11 @@ def test_a_participant_answers_every_kind_and_the_exports_hold_it(api, lab, scan
     assert answer.headers["content-type"] == "application/zip" and "no-store" in answer.headers["cache-control"]
     packed = zipfile.ZipFile(io.BytesIO(answer.content))
     assert sorted(packed.namelist()) == ["answers.csv", "data_dictionary.csv", "definition.json"]
-    rows = list(csv.DictReader(io.StringIO(packed.read("answers.csv").decode(), newline="")))
+    rows = list(csv.DictReader(io.StringIO(packed.read("answers.csv").decode("utf-8-sig"), newline="")))
     values = {row["field"]: row["value"] for row in rows}
+    assert packed.read("answers.csv").startswith(b"\xef\xbb\xbf"), "Excel reads UTF-8 only after a byte order mark"
     assert values["rating"] == "7" and values["trials.1.delay_ms"] == "0" and values["words"] == "'" + ANSWERS["words"]["words"]
-    assert list(csv.DictReader(io.StringIO(packed.read("data_dictionary.csv").decode())))
+    assert list(csv.DictReader(io.StringIO(packed.read("data_dictionary.csv").decode("utf-8-sig"))))
 
 
 WRONG_ANSWERS = [
@@ -274,12 +278,94 @@ def test_places_bound_a_study_and_a_closed_one_takes_nobody(api, lab):  # noqa: 
     api.wait_until(lambda: api.psql("SELECT 1 FROM studies WHERE id = %s AND state = 'closed'", study), what="the study to close")
 
 
+def at_once(api, people, act):  # noqa: F811
+    """Returns the status codes of simultaneous requests."""
+    with ThreadPoolExecutor(len(people)) as pool:
+        return [answer.status_code for answer in pool.map(act, people)]
+
+
+def test_concurrent_joins_do_not_exceed_the_places(api, lab):  # noqa: F811
+    _, token = opened(lab, definition(places=1))
+    assert sorted(at_once(api, [Participant(api, token) for _ in range(30)], lambda one: one.join())) == [201] + [410] * 29
+
+
+def test_a_change_that_waits_for_a_join_keeps_the_participant(api, lab):  # noqa: F811
+    study, token = opened(lab, definition())
+    etag = lab.http.get(f"/v1/studies/{study}").headers["etag"]
+    change = {"json": {"definition": definition()}, "headers": {"If-Match": etag}}
+    with psycopg.connect(api.dsn) as held, ThreadPoolExecutor(2) as pool:
+        held.execute("SELECT 1 FROM studies WHERE id = %s FOR UPDATE", (study,))
+        held.execute("INSERT INTO study_participants (id, study_id, number, key_hash, language, seed, day, recorded) VALUES "
+                     "(gen_random_uuid(), %s, 1, 'a', 'en', 1, now(), false)", (study,))
+        answer = pool.submit(lambda: lab.http.put(f"/v1/studies/{study}", **change))
+        api.wait_until(lambda: api.psql("SELECT 1 FROM pg_stat_activity WHERE wait_event_type = 'Lock'"), what="the change to wait")
+        held.commit()
+        problem(answer.result(), 409, "conflict")
+    assert lab.http.get(f"/v1/studies/{study}").json()["joined"] == 1
+
+
+def test_pictures_that_a_definition_no_longer_has_make_room(api, lab):  # noqa: F811
+    def pictures(*ids):
+        return definition(step("order", pictures=[{"id": one, "comfort": 0} for one in ids]))
+    study = create(lab, pictures("a", "b"))
+    for one in ("a", "b"):
+        lab.http.put(f"/v1/studies/{study}/pictures/{one}", content=picture(), headers={"Content-Type": "image/png"})
+    etag = lab.http.get(f"/v1/studies/{study}").headers["etag"]
+    assert lab.http.put(f"/v1/studies/{study}", json={"definition": pictures("b", "c")}, headers={"If-Match": etag}).status_code == 200
+    assert api.psql("SELECT picture_id FROM study_pictures WHERE study_id = %s", study) == [("b",)]
+
+
+def test_previews_are_few_and_have_no_numbers_of_participants(api, lab):  # noqa: F811
+    study, token = opened(lab, definition())
+    for _ in range(12):
+        assert lab.http.post(f"/v1/studies/{study}/preview", json={"key": secrets.token_hex(32)}).status_code == 201
+    assert api.psql("SELECT count(*) FROM study_participants WHERE study_id = %s", study) == [(10,)]
+    joined(api, token)
+    assert [one["number"] for one in export(lab, study)["participants"]] == [1]
+
+
+def test_sessions_of_the_gone_and_of_a_lost_role_end(api, scan, lab, worker):  # noqa: F811
+    study, token = opened(lab, every_kind(scan))
+    gone, stays = joined(api, token), joined(api, token)
+    sessions = [one.post("visits", step="viewpoint").json()["session_id"] for one in (gone, stays)]
+    api.psql("DELETE FROM study_participants WHERE study_id = %s AND number = 1", study)
+    api.wait_until(lambda: not api.redis.exists(f"diaphane:session:{sessions[0]}"), what="the session of the deleted one to end")
+    assert api.redis.exists(f"diaphane:session:{sessions[1]}")
+    api.psql("UPDATE users SET is_researcher = false WHERE id = %s", lab.id)
+    api.wait_until(lambda: not api.redis.exists(f"diaphane:session:{sessions[1]}"), what="the session of the lost role to end")
+    api.psql("UPDATE users SET is_researcher = true WHERE id = %s", lab.id)
+    api.wait_until(lambda: api.psql("SELECT count(*) FROM study_ended_sessions") == [(0,)], what="ended sessions to be forgotten")
+
+
+def test_the_time_of_a_participants_session_is_the_researchers(api, lab, scan, worker):  # noqa: F811
+    study, token = opened(lab, every_kind(scan))
+    joined(api, token)
+    [(participant,)] = api.psql("SELECT id::text FROM study_participants WHERE study_id = %s", study)
+    before = spent(api, lab)
+    api.redis.hincrby("diaphane:render_time", participant, 5000)
+    api.wait_until(lambda: spent(api, lab) == before + 5000, what="the time to be charged")
+
+
+def spent(api, who) -> int:  # noqa: F811
+    return api.psql("SELECT COALESCE(sum(device_ms), 0)::bigint FROM render_time WHERE user_id = %s", who.id)[0][0]
+
+
+def test_a_draft_can_not_be_closed_and_latency_needs_a_marked_side(api, lab, scan):  # noqa: F811
+    problem(set_state(lab, create(lab, definition()), "closed"), 409, "conflict")
+    for region in ({}, {"region": {"name": BOTH, "centre": [0.5, 0, 0], "radius": 5}}):
+        shown = {**view(scan, **region), "scene": {**SCENE, "camera": {**SCENE["camera"], "target": {}}}}
+        answer = lab.http.post("/v1/studies", json={"definition": definition(step("latency", view=shown, delays_ms=[0]))})
+        problem(answer, 422, "invalid")
+
+
 def test_a_new_link_ends_the_earlier_one(api, lab):  # noqa: F811
     study, token = opened(lab, definition())
+    early = joined(api, token)
     new = lab.http.post(f"/v1/studies/{study}/link").json()["path"].removeprefix("/study#")
     problem(client(api).post("/v1/study/invitation", json={"token": token}), 404, "not-found")
     problem(Participant(api, token).join(), 404, "not-found")
     joined(api, new)
+    assert early.join().status_code == 201, "who has joined stays"
 
 
 def test_withdrawal_deletes_everything_and_can_be_repeated(api, lab):  # noqa: F811
@@ -292,6 +378,9 @@ def test_withdrawal_deletes_everything_and_can_be_repeated(api, lab):  # noqa: F
     for _ in range(2):
         assert one.post("withdrawal").status_code == 204
     problem(one.answer("rating", {"rating": 1}), 410, "participation-ended")
+    set_state(lab, study, "open")
+    problem(one.join(), 410, "participation-ended")
+    set_state(lab, study, "closed")
     exported = export(lab, study)
     assert exported["study"]["withdrawn"] == 1 and [p["number"] for p in exported["participants"]] == [2]
     assert api.psql("SELECT count(*) FROM study_answers a JOIN study_participants p ON p.id = a.participant_id WHERE p.study_id = %s", study) == [(0,)]
@@ -343,14 +432,22 @@ def test_a_visit_shows_the_scene_of_the_step_and_counts_as_the_researchers(api, 
     again = one.post("visits", step="viewpoint").json()
     assert first["session_id"] == again["session_id"] and first["stream_url"] != again["stream_url"]
     session = f"diaphane:session:{first['session_id']}"
-    assert api.redis.hget(session, "user") == lab.id and api.redis.hexists(session, "scene")
+    [(participant,)] = api.psql("SELECT id::text FROM study_participants WHERE study_id = %s", study)
+    assert api.redis.hget(session, "user") == participant and api.redis.hexists(session, "scene")
+    assert api.redis.hget(session, "charged_to") == lab.id
+    path = f"/v1/sessions/{first['session_id']}"
+    assert first["session_id"] not in lab.http.get("/v1/sessions").text, "nobody watches a participant"
+    for answer in (lab.http.get(path), lab.http.post(f"{path}/tickets"), lab.http.post(f"{path}/links"), lab.http.delete(path)):
+        problem(answer, 404, "not-found")
     second = one.post("visits", step="colours").json()["session_id"]
     assert not api.redis.exists(f"diaphane:session:{first['session_id']}"), "a participant has one session"
     set_state(lab, study, "closed")
     assert not api.redis.exists(f"diaphane:session:{second}")
     set_state(lab, study, "open")
     api.psql("UPDATE users SET render_quota_ms = 0 WHERE id = %s", lab.id)
-    problem(one.post("visits", step="colours"), 403, "render-time-spent")
+    answer = one.post("visits", step="colours")
+    problem(answer, 503, "busy")
+    assert "rendering time" not in answer.text, "the researcher's account is none of the participant's business"
     api.psql("UPDATE users SET render_quota_ms = 36000000 WHERE id = %s", lab.id)
 
 
@@ -358,8 +455,10 @@ def test_a_lecture_hall_joins_from_one_address_but_no_flood(api, lab):  # noqa: 
     _, token = opened(lab, definition(places=1000))
     for _ in range(3):
         joined(api, token)
-    api.psql("INSERT INTO attempts (key_hash, happened_at) SELECT key_hash, now() - interval '1 minute' - i * interval '1 ms' "
-             "FROM (SELECT key_hash FROM attempts LIMIT 1) a, generate_series(1, 297) i")
+    [(busiest, at, second)] = api.psql("SELECT key_hash, happened_at, extract(epoch FROM happened_at) FROM attempts "
+                                       "GROUP BY 1, 2 HAVING count(*) = 3")
+    assert second % 900 == 0, "the time of joining is not stored"
+    api.psql("INSERT INTO attempts (key_hash, happened_at) SELECT %s, %s FROM generate_series(1, 297) i", busiest, at)
     problem(Participant(api, token).join(), 429, "too-many-attempts")
 
 

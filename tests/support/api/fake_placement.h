@@ -29,6 +29,7 @@ class FakePlacement final : public Placement, public Fake {
     DIAPHANE_TRY(enter("place"));
     requests.push_back(request);
     add_session(request.session_id, request.user_id, request.data_set_id);
+    sessions[request.session_id].charged_to = request.charged_to;
     return Placed{"ticket" + std::to_string(requests.size()), "worker", 1};
   }
   Result<SessionInfo> find(std::string_view id) override {

@@ -36,14 +36,16 @@ class FakeStudies final : public StudyStore, public ParticipantStore, public Fak
     if (id != study.id || owner_id != study.owner_id) return none();
     return study;
   }
-  Result<void> replace(const std::string&, const std::string&, int, const StudyContent&) override {
-    return enter("replace");
+  Result<SessionIds> replace(const std::string&, const std::string&, int,
+                             const std::set<std::string>&, const StudyContent&) override {
+    DIAPHANE_TRY(enter("replace"));
+    return sessions();
   }
   Result<SessionIds> remove(const std::string&, const std::string&, Time) override {
     DIAPHANE_TRY(enter("remove"));
     return sessions();
   }
-  Result<SessionIds> set_state(const std::string&, const std::string&, StudyState state,
+  Result<SessionIds> set_state(const std::string&, const std::string&, int, StudyState state,
                                Time) override {
     DIAPHANE_TRY(enter("set_state"));
     study.state = state;
@@ -120,12 +122,13 @@ class FakeStudies final : public StudyStore, public ParticipantStore, public Fak
     if (found == people.end()) return none();
     return Participation{found->second, study, open};
   }
-  Result<std::vector<std::string>> answered(const std::string&) override {
+  Result<Answered> answered(const std::string&) override {
     DIAPHANE_TRY(enter("answered"));
-    return std::vector<std::string>{};
+    return Answered{};
   }
   Result<void> answer(const std::string& key_hash, const StudyAnswer& answer, Time) override {
     DIAPHANE_TRY(enter("answer"));
+    if (!people.contains(key_hash)) return none();
     answers_of[key_hash].push_back(answer);
     return {};
   }
@@ -142,10 +145,12 @@ class FakeStudies final : public StudyStore, public ParticipantStore, public Fak
     people.erase(found);
     return session;
   }
-  Result<void> note_session(const std::string& key_hash, const std::string& session_id,
-                            Time) override {
+  Result<void> note_session(const std::string& key_hash, const std::string& earlier,
+                            const std::string& session_id, Time) override {
     DIAPHANE_TRY(enter("note_session"));
-    people.at(key_hash).session_id = session_id;
+    std::string& session = people.at(key_hash).session_id;
+    if (session != earlier && session != session_id) return fail(ErrorCode::kConflict, "another");
+    session = session_id;
     return {};
   }
 
