@@ -87,9 +87,9 @@ class DefinitionReader {
     return true;
   }
 
-  template <std::size_t n>
+  template <std::size_t N>
   void check_choice(const std::string& field, const json& value,
-                    const std::array<std::string_view, n>& known) {
+                    const std::array<std::string_view, N>& known) {
     if (value.is_string() &&
         std::ranges::find(known, value.get_ref<const std::string&>()) != known.end()) {
       return;
@@ -179,7 +179,9 @@ class DefinitionReader {
       wrong(field + ".id", "must be 1 to 40 characters of a-z, 0-9 and '-'");
       return false;
     }
-    if (step["group"] != "" && !is_slug(step["group"])) {
+    const bool alone =
+        step["group"].is_string() && step["group"].get_ref<const std::string&>().empty();
+    if (!alone && !is_slug(step["group"])) {
       wrong(field + ".group", "must be empty or 1 to 40 characters of a-z, 0-9 and '-'");
     }
     check_text(field + ".text", step["text"], kTextLength);
