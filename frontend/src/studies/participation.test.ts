@@ -66,7 +66,7 @@ it("does not finish a study that is closed", async () => {
   participation.answer(step("a"), {}, 10);
   await participation.finish();
   expect(calls).toEqual(["answer a"]);
-  expect(participation.queue.over.value).toBe(true);
+  expect(participation.queue.over.value).toBe("over");
 });
 
 it("forgets the answers of this tab after a withdrawal, and not before the server has", async () => {

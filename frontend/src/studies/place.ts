@@ -20,7 +20,8 @@ export function fromRandomView(scene: Scene, seed: number, purpose: string): Sce
 export function studyPlace(api: Api, participation: Participation, step: ViewStep, delay: DelayLine | null): Place {
   const { key: participant, joined } = participation;
   const key = `study.${participant.slice(0, 8)}.${step.id}`;
-  const ticketSource = () => studyTicketSource(api.studies, participant, step.id);
+  const ticketSource = () =>
+    studyTicketSource(api.studies, participant, step.id, (thrown) => participation.endIfOver(thrown));
   return {
     key,
     data_set_id: null,

@@ -44,6 +44,10 @@ export const takePart: Texts["takePart"] = {
   overTitle: "Die Studie ist beendet",
   overText:
     "Die Studie wurde während Ihrer Teilnahme geschlossen. Ihre gesendeten Antworten sind gespeichert. Vielen Dank.",
+  overAgain: "Weitermachen, falls sie wieder offen ist",
+  endedTitle: "Sie nehmen nicht mehr teil",
+  endedText:
+    "Die Studie hat keine Antworten mehr von Ihnen, zum Beispiel weil Sie sie in einem anderen Fenster gelöscht haben. Sie können dieses Fenster schließen.",
   withdrawLink: "Link zum Löschen Ihrer Antworten",
   withdrawHint:
     "Wenn Sie es sich anders überlegen, öffnen Sie diesen Link, um alle Ihre Antworten zu löschen. Nur Sie haben ihn. Kopieren Sie ihn jetzt, wenn Sie ihn vielleicht brauchen.",

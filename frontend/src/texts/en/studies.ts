@@ -118,6 +118,9 @@ export const studies = {
     text: "Enter a text.",
     textLong: "Shorten the text to 2000 characters.",
     view: "Choose a picture.",
+    labels: "Enter labels for the lowest and the highest value.",
+    start: "Choose the picture again, so that it begins with a random view.",
+    regionName: "Name the highlighted part, in at most 120 characters.",
     region: "Mark the part of the picture that participants turn towards themselves.",
     regionAtTarget:
       "Move the marked part away from the middle of the scan, because a part in the middle faces no direction.",
@@ -132,6 +135,8 @@ export const studies = {
   saved: "The study is saved.",
   unsaved: "You have unsaved changes.",
   discard: "Discard changes",
+  changedElsewhere:
+    "The study was changed elsewhere. Your changes are kept in this window. Discard them to see the newest version, or save to replace it.",
   preview: "Preview",
   previewHint: "Go through the study as a participant. Your answers are not counted.",
   running: "Participants",
@@ -139,6 +144,7 @@ export const studies = {
   openText: "The study is open. Everyone with the link can take part until all places are taken.",
   closedText: "The study is closed. Nobody can take part.",
   placeholders: "Some texts still contain notes in square brackets. Replace them before you invite participants.",
+  savesToDraft: "Saving turns the open study into a draft. Nobody can take part until you open it again.",
   openStudy: "Open study",
   openAgain: "Open again",
   closeStudy: "Close study",
@@ -161,6 +167,7 @@ export const studies = {
   analysisNone: "There is nothing to analyse yet.",
   analysisMissing:
     "The analysis service is not installed on this server. Export the answers to analyse them elsewhere.",
+  analysisBusy: "The analysis is busy at the moment. Try again shortly.",
   adopt: "Use these colours for the comfort slider",
   adoptText:
     "Every user of this Diaphane server then gets the colour differences of this study in place of the published ones.",

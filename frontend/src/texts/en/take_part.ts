@@ -43,6 +43,10 @@ export const takePart = {
   deletedText: "Nothing that you have entered is left. You can close this window.",
   overTitle: "The study has ended",
   overText: "The study was closed while you were taking part. The answers that you had sent are saved. Thank you.",
+  overAgain: "Continue if it is open again",
+  endedTitle: "You no longer take part",
+  endedText:
+    "The study has no answers of yours any more, for example because you deleted them in another window. You can close this window.",
   withdrawLink: "Link to delete your answers",
   withdrawHint:
     "If you change your mind, open this link to delete all of your answers. Only you have it, so copy it now if you may need it.",

@@ -22,6 +22,9 @@ export interface LatencyTaskProps {
   readonly done: (value: Answer) => void;
 }
 
+/** The server refuses a longer time. */
+const longestTrialMs = 3_600_000;
+
 type Measured = Pick<Trial, "time_ms" | "error_degrees">;
 
 /** Trials with different delays: turn the marked part to the viewer, then rate the delay. */
@@ -100,7 +103,10 @@ function useTrials(step: LatencyStep, participation: Participation, done: (value
     const region = step.view?.region;
     if (!pose || !region) return;
     const missed = facingError(pose, vectorOf(region.centre));
-    setMeasured({ time_ms: Math.round(performance.now() - begunMs.current), error_degrees: missed });
+    setMeasured({
+      time_ms: Math.min(Math.round(performance.now() - begunMs.current), longestTrialMs),
+      error_degrees: missed,
+    });
     setPhase("rating");
   };
   const rate = (acceptable: boolean, rating: number) => {

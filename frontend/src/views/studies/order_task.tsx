@@ -25,7 +25,7 @@ export function OrderTask({ step, participation, done }: OrderTaskProps) {
   const [shown] = useState(() => shuffled(ids, randomNumbers(participation.joined.seed, `pictures/${step.id}`)));
   const [order, setOrder] = useState<readonly string[]>(shown);
   const [told, setTold] = useState("");
-  const { urls, failing } = usePictures(participation.key, shown);
+  const { urls, failing } = usePictures(participation, shown);
   const list = useRef<HTMLOListElement>(null);
   const move = (id: string, to: number) => {
     const next = moved(order, order.indexOf(id), to);
@@ -152,7 +152,7 @@ function useDragging(
 }
 
 /** Loads the pictures of the step, and tries again while the server is not there. */
-function usePictures(participant: string, ids: readonly string[]) {
+function usePictures(participation: Participation, ids: readonly string[]) {
   const { api } = useApp();
   const [urls, setUrls] = useState<ReadonlyMap<string, string>>(new Map());
   const [failing, setFailing] = useState(false);
@@ -164,12 +164,12 @@ function usePictures(participant: string, ids: readonly string[]) {
     const load = async (id: string): Promise<void> => {
       if (isGone()) return;
       try {
-        const url = URL.createObjectURL(await api.studies.pictureOf(participant, id, leaving.signal));
+        const url = URL.createObjectURL(await api.studies.pictureOf(participation.key, id, leaving.signal));
         made.push(url);
         setUrls((before) => new Map(before).set(id, url));
         setFailing(false);
-      } catch {
-        if (isGone()) return;
+      } catch (thrown) {
+        if (isGone() || participation.endIfOver(thrown)) return;
         setFailing(true);
         await new Promise<void>((resolve) => (stopTimer = after(triedAgainMs, resolve)));
         await load(id);
@@ -183,6 +183,6 @@ function usePictures(participant: string, ids: readonly string[]) {
       stopTimer();
       for (const url of made) URL.revokeObjectURL(url);
     };
-  }, [api, participant, ids]);
+  }, [api, participation, ids]);
   return { urls, failing };
 }
