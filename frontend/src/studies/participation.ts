@@ -5,6 +5,7 @@ import type { After } from "../live/paced";
 import { AnswerQueue, type Failure, type Over } from "./answer_queue";
 import type { Answer, Step } from "./definition";
 import { orderedSteps } from "./order";
+import { forgetView } from "../video/view_memory";
 
 export type ParticipantApi = Pick<StudiesApi, "answer" | "record" | "finish" | "withdraw">;
 export type ParticipantStore = Pick<Storage, "getItem" | "setItem" | "removeItem">;
@@ -35,6 +36,10 @@ export const queueOf = (
     after,
   });
 
+/** The names under which this tab keeps the trials and the view of a step until it is answered. */
+export const trialsKey = (key: string, step: string): string => `diaphane.study.trials.${key.slice(0, 8)}.${step}`;
+export const viewKey = (key: string, step: string): string => `study.${key.slice(0, 8)}.${step}`;
+
 /** The server refuses a longer time, and with it the answer. */
 const longestStepMs = 86_400_000;
 
@@ -51,7 +56,7 @@ export class Participation {
     readonly joined: JoinedStudy,
     /** Whether this participant agreed to a recording. */
     readonly record: boolean,
-    store: ParticipantStore,
+    private readonly store: ParticipantStore,
     after: After,
   ) {
     this.steps = orderedSteps(joined.definition.steps, joined.seed).filter(({ kind }) => kind !== "consent");
@@ -92,10 +97,19 @@ export class Participation {
     return failure.kind === "over";
   }
 
+  /** Forgets what this tab has kept of the steps, after the end. */
+  forgetSteps(): void {
+    for (const { id } of this.steps) {
+      this.store.removeItem(trialsKey(this.key, id));
+      forgetView(this.store, viewKey(this.key, id));
+    }
+  }
+
   /** Deletes the participant and their answers. */
   async withdraw(): Promise<void> {
     await this.api.withdraw(this.key);
     this.queue.clear();
+    this.forgetSteps();
   }
 }
 

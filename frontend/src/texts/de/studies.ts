@@ -18,8 +18,8 @@ export const studies: Texts["studies"] = {
     `${count(joined, "Person", "Personen")} von ${places.toFixed(0)} dabei, ${finished.toFixed(0)} fertig`,
   withdrawn: (n) =>
     n === 1
-      ? "1 Person hat ihre Teilnahme widerrufen. Ihre Antworten sind gelöscht."
-      : `${n.toFixed(0)} Personen haben ihre Teilnahme widerrufen. Ihre Antworten sind gelöscht.`,
+      ? "1 Person hat ihre Teilnahme widerrufen. Die Antworten sind gelöscht."
+      : `${n.toFixed(0)} Personen haben ihre Teilnahme widerrufen. Die Antworten sind gelöscht.`,
   open: (title) => `${title} öffnen`,
   back: "Zurück zu allen Studien",
   untitled: "Studie ohne Titel",
@@ -214,7 +214,7 @@ export const studies: Texts["studies"] = {
     markLabel: "Drücken Sie auf die Mitte des Teils.",
     nothingThere: "An dieser Stelle ist nichts. Drücken Sie auf eine andere.",
     radius: "Radius",
-    centre: { x: "Links (x)", y: "Hinten (y)", z: "Kopf (z)" },
+    centre: { x: "Nach links (x)", y: "Nach hinten (y)", z: "Zum Kopf (z)" },
     mm: "mm",
     use: "Dieses Bild verwenden",
   },

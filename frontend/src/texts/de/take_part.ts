@@ -8,7 +8,7 @@ export const takePart: Texts["takePart"] = {
   steps: (n) => count(n, "Schritt", "Schritte"),
   about: "Worum es geht",
   privacy:
-    "Wir speichern Ihre Antworten, die Sprache und den Tag. Ihren Namen, Ihre Netzadresse und Ihren Browser speichern wir nicht.",
+    "Wir speichern Ihre Antworten und wie lange jeder Schritt gedauert hat, ob Sie fertig geworden sind, die Sprache und den Tag und, wenn Sie zustimmen, die Aufzeichnung. Ihren Namen, Ihre Netzadresse und Ihren Browser speichern wir nicht.",
   recordTitle: "Aufzeichnung",
   recordText:
     "Dürfen wir aufzeichnen, wie Sie das Bild bewegen? Die Aufzeichnung enthält die Ansichten und ihre Zeiten und nichts über Sie.",
@@ -80,7 +80,7 @@ export const takePart: Texts["takePart"] = {
   picturesFailed: "Die Bilder lassen sich nicht laden. Wir versuchen es weiter…",
   trial: (n, all) => `Aufgabe ${n.toFixed(0)} von ${all.toFixed(0)}`,
   begin: "Start",
-  facing: "Er zeigt zu mir",
+  facing: "Der Teil zeigt zu mir",
   acceptable: "War die Verzögerung des Bildes annehmbar?",
   yes: "Ja",
   no: "Nein",
@@ -90,6 +90,7 @@ export const takePart: Texts["takePart"] = {
   part: (name) => `Der farbige Teil: ${name}`,
   pictureOver: "Das Bild wurde unterbrochen.",
   pictureBusy: "Gerade werden alle Bilder verwendet. Wir versuchen es weiter.",
-  pictureSpent: "Gerade gibt es keine Bilder. Bitte kommen Sie später wieder. Ihre Antworten bleiben.",
+  pictureSpent:
+    "Gerade gibt es keine Bilder. Bitte lassen Sie dieses Fenster offen und versuchen Sie es später wieder.",
   pictureAgain: "Bild wieder zeigen",
 };

@@ -168,14 +168,14 @@ export const studies = {
   analysisMissing:
     "The analysis service is not installed on this server. Export the answers to analyse them elsewhere.",
   analysisBusy: "The analysis is busy at the moment. Try again shortly.",
-  adopt: "Use these colours for the comfort slider",
+  adopt: "Use these colours for “Softer colours”",
   adoptText:
     "Every user of this Diaphane server then gets the colour differences of this study in place of the published ones.",
-  adopted: "The comfort slider now uses the colours of this study.",
+  adopted: "“Softer colours” now uses the colours of this study.",
   drop: "Use the published colours again",
-  dropped: "The comfort slider uses the published colours again.",
+  dropped: "“Softer colours” uses the published colours again.",
   adoptedFrom: (title: string, n: number) =>
-    `The comfort slider uses the colours of “${title}” (${count(n, "participant", "participants")}).`,
+    `“Softer colours” uses the colours of “${title}” (${count(n, "participant", "participants")}).`,
   removeStudy: "Delete study",
   removeTitle: "Delete this study?",
   removeText: "The study, its pictures and all answers are deleted. This can’t be undone.",
@@ -198,7 +198,7 @@ export const studies = {
     markLabel: "Press the middle of the part.",
     nothingThere: "There is nothing at this point. Press another one.",
     radius: "Radius",
-    centre: { x: "Left (x)", y: "Back (y)", z: "Head (z)" },
+    centre: { x: "Towards the left (x)", y: "Towards the back (y)", z: "Towards the head (z)" },
     mm: "mm",
     use: "Use this picture",
   },

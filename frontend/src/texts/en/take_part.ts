@@ -8,7 +8,7 @@ export const takePart = {
   steps: (n: number) => count(n, "step", "steps"),
   about: "What happens",
   privacy:
-    "We store your answers, the language and the day. We do not store your name, your network address or your browser.",
+    "We store your answers and how long each step took, whether you finished, the language and the day, and, if you agree, the recording. We do not store your name, your network address or your browser.",
   recordTitle: "Recording",
   recordText:
     "May we record how you move the picture? The recording contains the views and their times, and nothing about you.",
@@ -89,6 +89,6 @@ export const takePart = {
   part: (name: string) => `The coloured part: ${name}`,
   pictureOver: "The picture was interrupted.",
   pictureBusy: "All pictures are in use at the moment. We keep trying.",
-  pictureSpent: "Pictures aren’t available at the moment. Please come back later. Your answers stay.",
+  pictureSpent: "Pictures aren’t available at the moment. Please leave this window open and try again later.",
   pictureAgain: "Show the picture again",
 } as const;

@@ -4,7 +4,7 @@ import { cameraOf, sceneFromJson } from "../../protocol/messages";
 import { tab } from "../../storage";
 import { textIn, type Answer, type LatencyStep, type Trial } from "../../studies/definition";
 import { DelayLine } from "../../studies/delay_line";
-import type { Participation } from "../../studies/participation";
+import { trialsKey, type Participation } from "../../studies/participation";
 import { fromRandomView, studyPlace } from "../../studies/place";
 import { randomNumbers, shuffled } from "../../studies/random";
 import { facingError, vectorOf } from "../../studies/views";
@@ -41,6 +41,7 @@ export function LatencyTask({ step, participation, done }: LatencyTaskProps) {
         key={task.again.count}
         place={task.place}
         turns={phase === "turning"}
+        resets={false}
         covered={phase !== "turning"}
         onSession={task.setSession}
         onRecording={participation.record ? (one) => participation.queue.record(step.id, one) : undefined}
@@ -71,7 +72,7 @@ type Phase = "waiting" | "coming" | "turning" | "rating";
 /** The state of the trials. Those that are done survive a reload. */
 function useTrials(step: LatencyStep, participation: Participation, done: (value: Answer) => void) {
   const { seed } = participation.joined;
-  const kept = `diaphane.study.trials.${participation.key.slice(0, 8)}.${step.id}`;
+  const kept = trialsKey(participation.key, step.id);
   const [delays] = useState(() => shuffled(step.delays_ms, randomNumbers(seed, `delays/${step.id}`)));
   const [trials, setTrials] = useState<readonly Trial[]>(() => keptTrials(tab.getItem(kept)));
   const [phase, setPhase] = useState<Phase>("waiting");

@@ -81,18 +81,23 @@ interface PictureItemProps {
 function PictureItem({ number, at, all, url, move, grab }: PictureItemProps) {
   const text = t.takePart;
   const item = useRef<HTMLDivElement>(null);
-  const byKey = useRef(false);
+  /** What the participant moved the picture with. A browser drops its focus when the picture moves in the page. */
+  const used = useRef<HTMLElement | null>(null);
   useEffect(() => {
-    // A browser drops the focus of an element that is moved in the page.
-    if (byKey.current) item.current?.focus();
-    byKey.current = false;
+    if (used.current) (used.current.matches(":disabled") ? item.current : used.current)?.focus();
+    used.current = null;
   }, [at]);
+  const moveBy = (by: number) => {
+    if (at + by < 0 || at + by >= all) return;
+    const { activeElement } = document;
+    used.current = activeElement instanceof HTMLElement ? activeElement : null;
+    move(at + by);
+  };
   const key = (event: KeyboardEvent) => {
     const by = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 }[event.key];
     if (by === undefined) return;
     event.preventDefault();
-    byKey.current = true;
-    move(at + by);
+    moveBy(by);
   };
   return (
     <li data-picture={number}>
@@ -111,9 +116,9 @@ function PictureItem({ number, at, all, url, move, grab }: PictureItemProps) {
         </span>
       </div>
       <div class="study-order-tools">
-        <IconButton icon="left" label={text.earlier(number)} disabled={at === 0} onClick={() => move(at - 1)} />
+        <IconButton icon="left" label={text.earlier(number)} disabled={at === 0} onClick={() => moveBy(-1)} />
         <span aria-hidden="true">{at + 1}</span>
-        <IconButton icon="right" label={text.later(number)} disabled={at === all - 1} onClick={() => move(at + 1)} />
+        <IconButton icon="right" label={text.later(number)} disabled={at === all - 1} onClick={() => moveBy(1)} />
       </div>
     </li>
   );

@@ -108,12 +108,22 @@ function Progress({ participation, title, step }: ProgressProps) {
   const all = participation.steps.length;
   const at = participation.steps.indexOf(step) + 1;
   const text = t.takePart.progress(at, all);
+  const place = useRef<HTMLParagraphElement>(null);
+  const first = useRef(step.id);
+  useEffect(() => {
+    if (step.id === first.current) return;
+    first.current = "";
+    scrollTo(0, 0);
+    place.current?.focus({ preventScroll: true });
+  }, [step.id]);
   return (
     <div class="study-progress">
       <div lang={title.lang}>
         <PageTitle text={title.text} first={participation.answered() === 0} />
       </div>
-      <p role="status">{text}</p>
+      <p ref={place} tabIndex={-1} role="status">
+        {text}
+      </p>
       <progress aria-label={text} max={all} value={participation.answered()} />
     </div>
   );

@@ -171,5 +171,9 @@ function Steps({ joined, participant: { key, record }, end }: StepsProps) {
     () => new Participation(api.studies, key, joined, record, tab, after),
     [api, key, joined, record],
   );
-  return <StudySteps participation={participation} end={end} />;
+  const endHere = (ending: Ending) => {
+    if (ending !== "over") participation.forgetSteps();
+    end(ending);
+  };
+  return <StudySteps participation={participation} end={endHere} />;
 }
