@@ -22,7 +22,7 @@ export type Failure =
   | { readonly kind: "refused" }
   | { readonly kind: "over"; readonly why: Over };
 
-/** Why the study takes nothing more: it is closed and may open again, or it does not know this participant any more. */
+/** Why the study takes nothing more: it is closed and may open again, or it no longer knows this participant. */
 export type Over = "over" | "gone";
 
 export interface QueueParts {

@@ -46,7 +46,7 @@ export const takePart = {
   overAgain: "Continue if it is open again",
   endedTitle: "You no longer take part",
   endedText:
-    "The study has no answers of yours any more, for example because you deleted them in another window. You can close this window.",
+    "The study no longer has your answers, for example because you deleted them in another window. You can close this window.",
   withdrawLink: "Link to delete your answers",
   withdrawHint:
     "If you change your mind, open this link to delete all of your answers. Only you have it, so copy it now if you may need it.",
