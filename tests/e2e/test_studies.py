@@ -410,7 +410,7 @@ def test_an_analysis_shows_its_tables_and_figures(stack: TestStack, visit, pictu
     stack.wait_until(lambda: figure.evaluate("(image) => image.complete && image.naturalWidth") == 120, what="the figure")
     page.screenshot(path=pictures / "study-analysis.png", full_page=True)
     assert faults(page) + zoomed_faults(page) == []
-    expect(page.get_by_role("button", name="Use these colours for the comfort slider")).to_have_count(0)  # only for administrators
+    expect(page.get_by_role("button", name="Use these colours for “Softer colours”")).to_have_count(0)  # only for administrators
     page.get_by_role("button", name="Delete study").click()
     page.get_by_role("dialog").get_by_role("button", name="Delete study").click()
     expect(page.get_by_text("You have no studies yet.")).to_be_visible()

@@ -81,14 +81,20 @@ export interface StudyVisitApi {
   visit(key: string, step: string, signal: AbortSignal): Promise<{ readonly stream_url: string }>;
 }
 
-/** Tickets for the pictures of one step of a study. They end with the study. */
-export function studyTicketSource(api: StudyVisitApi, key: string, step: string): TicketSource {
+/** Tickets for the pictures of one step of a study. They end with the study, of which `over` is told. */
+export function studyTicketSource(
+  api: StudyVisitApi,
+  key: string,
+  step: string,
+  over: (problem: ApiProblem) => void,
+): TicketSource {
   return async (signal) => {
     try {
       return { ok: true, url: (await api.visit(key, step, signal)).stream_url };
     } catch (thrown) {
       if (!(thrown instanceof ApiProblem)) throw thrown;
       const gone = thrown.status === 410;
+      if (gone) over(thrown);
       const why = gone ? { trouble: "link_ended" as const, final: true } : refusalOfGuest(thrown);
       return { ok: false, ...why, retryAfterMs: thrown.retryAfterMs };
     }

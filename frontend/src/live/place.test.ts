@@ -42,14 +42,22 @@ describe("a guest", () => {
 });
 
 it("a participant's picture ends with the study, and waits for a free place", async () => {
+  const ended: string[] = [];
+  const over = ({ kind }: ApiProblem) => void ended.push(kind);
   const signal = new AbortController().signal;
   const refused = (status: number, kind: string) =>
-    studyTicketSource({ visit: () => Promise.reject(new ApiProblem(status, kind, "", [], 2000)) }, "k", "a")(signal);
-  expect(await refused(410, "gone")).toMatchObject({ ok: false, trouble: "link_ended", final: true });
+    studyTicketSource(
+      { visit: () => Promise.reject(new ApiProblem(status, kind, "", [], 2000)) },
+      "k",
+      "a",
+      over,
+    )(signal);
+  expect(await refused(410, "study-closed")).toMatchObject({ ok: false, trouble: "link_ended", final: true });
   expect(await refused(503, "no-worker")).toMatchObject({ ok: false, trouble: "no_worker", retryAfterMs: 2000 });
   expect(await refused(0, "offline")).toMatchObject({ ok: false, trouble: "unreachable", final: false });
   const visit = (key: string, step: string) => Promise.resolve({ stream_url: `${key}/${step}` });
-  expect(await studyTicketSource({ visit }, "k", "a")(signal)).toEqual({ ok: true, url: "k/a" });
+  expect(await studyTicketSource({ visit }, "k", "a", over)(signal)).toEqual({ ok: true, url: "k/a" });
+  expect(ended).toEqual(["study-closed"]);
 });
 
 describe("the role", () => {

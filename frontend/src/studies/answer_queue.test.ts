@@ -125,14 +125,17 @@ describe("the queue of answers", () => {
     expect(steps()).toEqual(["b"]);
   });
 
-  it.each([404, 410])("ends with the study at the status %i", async (status) => {
+  it.each([
+    ["study-closed", "over", ["a"]],
+    ["participation-ended", "gone", []],
+  ])("ends at the problem %s, and keeps what a study takes when it opens again", async (kind, why, left) => {
     const queue = open();
-    failing = new ApiProblem(status, "x", "");
+    failing = new ApiProblem(410, kind, "");
     queue.answer("a", { rating: 1 }, 1);
     await queue.whenEmpty();
-    expect(queue.over.value).toBe(true);
+    expect(queue.over.value).toBe(why);
     queue.answer("b", { rating: 1 }, 1);
-    expect(queue.pending.value).toEqual([]);
+    expect(open().pending.value.map(({ step }) => step)).toEqual(left);
   });
 
   it("starts empty when the stored text is damaged", () => {

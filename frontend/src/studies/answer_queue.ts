@@ -18,7 +18,12 @@ export type Queued = QueuedAnswer | QueuedRecording;
 
 /** What became of a request: it may be repeated, it never succeeds, or the study is over for this participant. */
 export type Failure =
-  { readonly kind: "again"; readonly retryAfterMs: number } | { readonly kind: "refused" } | { readonly kind: "over" };
+  | { readonly kind: "again"; readonly retryAfterMs: number }
+  | { readonly kind: "refused" }
+  | { readonly kind: "over"; readonly why: Over };
+
+/** Why the study takes nothing more: it is closed and may open again, or it no longer knows this participant. */
+export type Over = "over" | "gone";
 
 export interface QueueParts {
   readonly store: Pick<Storage, "getItem" | "setItem" | "removeItem">;
@@ -42,8 +47,8 @@ export class AnswerQueue {
   readonly waiting = signal(false);
   /** The steps whose answers the server does not accept. */
   readonly refused = signal<readonly string[]>([]);
-  /** Whether the study takes no more answers of this participant. */
-  readonly over = signal(false);
+  /** Why the study takes no more answers of this participant, or null while it does. */
+  readonly over = signal<Over | null>(null);
 
   private sequence = 0;
   private busy = false;
@@ -78,7 +83,7 @@ export class AnswerQueue {
 
   /** Resolves when the server has everything, or the study is over. */
   whenEmpty(): Promise<void> {
-    if (this.pending.value.length === 0 || this.over.value) return Promise.resolve();
+    if (this.pending.value.length === 0 || this.over.value !== null) return Promise.resolve();
     this.wake();
     return new Promise((resolve) => this.emptied.push(resolve));
   }
@@ -104,7 +109,8 @@ export class AnswerQueue {
   }
 
   private add(item: Queued): void {
-    if (this.over.value || this.stopped) return;
+    if (this.over.value !== null || this.stopped) return;
+    this.stopTimer();
     this.keep([...this.pending.value, item]);
     void this.next();
   }
@@ -121,7 +127,7 @@ export class AnswerQueue {
 
   private async next(): Promise<void> {
     const item = this.pending.value[0];
-    if (!item || this.busy || this.stopped || this.over.value) return;
+    if (!item || this.busy || this.stopped || this.over.value !== null) return;
     this.busy = true;
     let failure: Failure | null = null;
     try {
@@ -132,7 +138,7 @@ export class AnswerQueue {
     this.busy = false;
     if (this.isStopped()) return; // another page of this tab continues, or everything is forgotten
     if (failure?.kind === "again") this.retryLater(failure.retryAfterMs);
-    else if (failure?.kind === "over") this.end();
+    else if (failure?.kind === "over") this.end(failure.why);
     else {
       if (failure && item.kind === "answer") this.refused.value = [...this.refused.value, item.step];
       this.failures = 0;
@@ -147,10 +153,13 @@ export class AnswerQueue {
     return this.stopped;
   }
 
-  private end(): void {
-    this.over.value = true;
+  /** Ends all attempts. What a closed study has not taken stays in the store, because it may open again. */
+  end(why: Over): void {
+    this.stopTimer();
+    this.over.value = why;
     this.waiting.value = false;
-    this.keep([]);
+    if (why === "gone") this.keep([]);
+    this.settle();
   }
 
   private retryLater(retryAfterMs: number): void {

@@ -72,8 +72,12 @@ describe("the check of a study", () => {
     expect(await problemsOf(newStep("text", "a"))).toEqual(["text"]);
     expect(await problemsOf({ ...newStep("text", "a"), text: { de: "x".repeat(2001) } })).toEqual(["textLong"]);
     expect(await problemsOf({ ...newStep("viewpoint", "a"), text })).toEqual(["view"]);
-    expect(await problemsOf({ ...newStep("rating", "a"), text })).toEqual([]);
-    expect(await problemsOf({ ...newStep("rating", "a"), text, low: 5, high: 5 } as Step)).toEqual(["scale"]);
+    expect(await problemsOf({ ...newStep("rating", "a"), text })).toEqual(["labels"]);
+    const labelled = { ...newStep("rating", "a"), text, low_text: text, high_text: text } as Step;
+    expect(await problemsOf(labelled)).toEqual([]);
+    const nameless = { ...view, region: { name: {}, centre: [900, 0, 0] as const, radius: 20 } };
+    expect(await problemsOf({ ...newStep("viewpoint", "a"), text, view: nameless } as Step)).toEqual(["regionName"]);
+    expect(await problemsOf({ ...labelled, low: 5, high: 5 } as Step)).toEqual(["scale"]);
     expect(await problemsOf({ ...newStep("choice", "a"), text })).toEqual(["options"]);
     expect(await problemsOf({ ...newStep("order", "a"), text, pictures: [] } as Step)).toEqual(["pictures"]);
     expect(await problemsOf({ ...newStep("latency", "a"), text, view, delays_ms: [500] } as Step)).toEqual(["delays"]);
@@ -82,11 +86,14 @@ describe("the check of a study", () => {
   it("wants a latency task to have a part that can face the viewer", async () => {
     const { region, ...plain } = view;
     const latency = (one: View) => ({ ...newStep("latency", "a"), text, view: one }) as Step;
-    const atTarget = { ...view, region: { name: {}, centre: [0, 0, 0] as const, radius: region?.radius ?? 1 } };
+    const atTarget = { ...view, region: { name: text, centre: [0, 0, 0] as const, radius: region?.radius ?? 1 } };
     const target = someScene().camera?.target;
     expect(target).toMatchObject({ x: 0, y: 0, z: 0 });
     expect(await problemsOf(latency(view))).toEqual([]);
     expect(await problemsOf(latency(plain))).toEqual(["region"]);
+    expect(await problemsOf(latency({ ...view, start: "preset" }))).toEqual(["start"]);
+    const copied = withStepView(newStep("latency", "a") as never, { ...view, start: "preset" });
+    expect(await problemsOf({ ...copied, text })).toEqual([]);
     expect(await problemsOf(latency(atTarget))).toEqual(["regionAtTarget"]);
   });
 

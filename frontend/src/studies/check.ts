@@ -31,7 +31,10 @@ export type StudyProblem =
   | "text"
   | "textLong"
   | "view"
+  | "labels"
+  | "start"
   | "region"
+  | "regionName"
   | "regionAtTarget"
   | "scale"
   | "materials"
@@ -48,6 +51,7 @@ export interface Finding {
 
 const isThere = (text: Text): boolean => studyLanguages.some((one) => (text[one] ?? "").trim() !== "");
 const isWithin = (text: Text, most: number): boolean => studyLanguages.every((one) => (text[one] ?? "").length <= most);
+const isName = (text: Text, most: number): boolean => isThere(text) && isWithin(text, most);
 const isWhole = (value: number, low: number, high: number): boolean =>
   Number.isInteger(value) && value >= low && value <= high;
 
@@ -84,6 +88,7 @@ function problemsOf(step: Step): StudyProblem[] {
     ...when(!isThere(step.text), "text"),
     ...when(!isWithin(step.text, limits.text), "textLong"),
     ...when(hasView(step) && step.kind !== "rating" && !view, "view"),
+    ...when(view?.region !== undefined && !isName(view.region.name, limits.title), "regionName"),
     ...ofKind(step),
   ];
 }
@@ -91,24 +96,30 @@ function problemsOf(step: Step): StudyProblem[] {
 function ofKind(step: Step): StudyProblem[] {
   switch (step.kind) {
     case "rating":
-      return when(!isWhole(step.low, 0, limits.rating) || !isWhole(step.high, step.low + 1, limits.rating), "scale");
+      return [
+        ...when(!isWhole(step.low, 0, limits.rating) || !isWhole(step.high, step.low + 1, limits.rating), "scale"),
+        ...when(!isName(step.low_text, limits.text) || !isName(step.high_text, limits.text), "labels"),
+      ];
     case "colours":
       return when(
         step.materials.length < 1 ||
           step.materials.length > limits.materials ||
-          !step.materials.every((m) => isThere(m.name)),
+          !step.materials.every((m) => isName(m.name, limits.title)),
         "materials",
       );
     case "order":
       return when(step.pictures.length < 2 || step.pictures.length > limits.pictures, "pictures");
     case "choice":
       return when(
-        step.options.length < 2 || step.options.length > limits.options || !step.options.every((o) => isThere(o.text)),
+        step.options.length < 2 ||
+          step.options.length > limits.options ||
+          !step.options.every((o) => isName(o.text, limits.text)),
         "options",
       );
     case "latency":
       return [
         ...when(step.view !== undefined && !step.view.region, "region"),
+        ...when(step.view !== undefined && step.view.start !== "random", "start"),
         ...regionAtTarget(step.view),
         ...delays(step.delays_ms),
       ];

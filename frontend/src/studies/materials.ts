@@ -42,6 +42,7 @@ export function withMaterialColour(scene: Scene, channel: string, hex: string): 
 
 /** Returns a step with another view. It keeps the materials that the view shows, or else gets the usual ones. */
 export function withStepView(step: ViewStep, view: View): Step {
+  if (step.kind === "latency") return { ...step, view: { ...view, start: "random" } };
   if (step.kind !== "colours") return { ...step, view };
   const scene = sceneFromJson(JSON.stringify(view.scene));
   const shown = scene ? shownMaterials(scene) : [];

@@ -1,7 +1,7 @@
 import { expect, it } from "vitest";
 import { ApiProblem } from "../api/client";
 import type { Definition, Step } from "./definition";
-import { keepParticipant, keptParticipant, Participation } from "./participation";
+import { keepParticipant, keptParticipant, Participation, trialsKey } from "./participation";
 import { newStep } from "./templates";
 
 const key = "ab".repeat(32);
@@ -66,7 +66,7 @@ it("does not finish a study that is closed", async () => {
   participation.answer(step("a"), {}, 10);
   await participation.finish();
   expect(calls).toEqual(["answer a"]);
-  expect(participation.queue.over.value).toBe(true);
+  expect(participation.queue.over.value).toBe("over");
 });
 
 it("forgets the answers of this tab after a withdrawal, and not before the server has", async () => {
@@ -76,7 +76,9 @@ it("forgets the answers of this tab after a withdrawal, and not before the serve
   await expect(failed.participation.withdraw()).rejects.toThrow();
   expect(failed.participation.queue.pending.value).toHaveLength(1);
   const { participation, calls } = begin([], here);
+  here.setItem(trialsKey(key, "b"), "[]");
   await participation.withdraw();
+  expect(here.getItem(trialsKey(key, "b"))).toBeNull();
   expect(calls.at(-1)).toBe("withdraw");
   expect(begin([], here).participation.current()?.id).toBe("a");
 });

@@ -7,7 +7,7 @@ import { tab } from "../storage";
 import { forgetView } from "../video/view_memory";
 import type { ViewStep } from "./definition";
 import type { DelayLine } from "./delay_line";
-import type { Participation } from "./participation";
+import { viewKey, type Participation } from "./participation";
 import { randomView } from "./views";
 
 /** Returns the scene from a random view of this participant. `purpose` is the step, or one of its trials. */
@@ -19,8 +19,9 @@ export function fromRandomView(scene: Scene, seed: number, purpose: string): Sce
 /** Returns the place of one step's picture. The view is remembered until the step is answered. */
 export function studyPlace(api: Api, participation: Participation, step: ViewStep, delay: DelayLine | null): Place {
   const { key: participant, joined } = participation;
-  const key = `study.${participant.slice(0, 8)}.${step.id}`;
-  const ticketSource = () => studyTicketSource(api.studies, participant, step.id);
+  const key = viewKey(participant, step.id);
+  const ticketSource = () =>
+    studyTicketSource(api.studies, participant, step.id, (thrown) => participation.endIfOver(thrown));
   return {
     key,
     data_set_id: null,

@@ -18,8 +18,8 @@ export const studies: Texts["studies"] = {
     `${count(joined, "Person", "Personen")} von ${places.toFixed(0)} dabei, ${finished.toFixed(0)} fertig`,
   withdrawn: (n) =>
     n === 1
-      ? "1 Person hat ihre Teilnahme widerrufen. Ihre Antworten sind gelöscht."
-      : `${n.toFixed(0)} Personen haben ihre Teilnahme widerrufen. Ihre Antworten sind gelöscht.`,
+      ? "1 Person hat ihre Teilnahme widerrufen. Die Antworten sind gelöscht."
+      : `${n.toFixed(0)} Personen haben ihre Teilnahme widerrufen. Die Antworten sind gelöscht.`,
   open: (title) => `${title} öffnen`,
   back: "Zurück zu allen Studien",
   untitled: "Studie ohne Titel",
@@ -132,6 +132,9 @@ export const studies: Texts["studies"] = {
     text: "Geben Sie einen Text ein.",
     textLong: "Kürzen Sie den Text auf 2000 Zeichen.",
     view: "Wählen Sie ein Bild.",
+    labels: "Geben Sie Bezeichnungen für den kleinsten und den größten Wert ein.",
+    start: "Wählen Sie das Bild noch einmal, damit es mit einer zufälligen Ansicht beginnt.",
+    regionName: "Benennen Sie den hervorgehobenen Teil, mit höchstens 120 Zeichen.",
     region: "Markieren Sie den Teil des Bildes, den Teilnehmende zu sich drehen sollen.",
     regionAtTarget:
       "Verschieben Sie den markierten Teil aus der Mitte der Aufnahme, denn ein Teil in der Mitte zeigt in keine Richtung.",
@@ -146,6 +149,8 @@ export const studies: Texts["studies"] = {
   saved: "Die Studie ist gespeichert.",
   unsaved: "Es gibt ungespeicherte Änderungen.",
   discard: "Änderungen verwerfen",
+  changedElsewhere:
+    "Die Studie wurde an anderer Stelle geändert. Ihre Änderungen bleiben in diesem Fenster. Verwerfen Sie sie, um den neuesten Stand zu sehen, oder speichern Sie, um ihn zu ersetzen.",
   preview: "Vorschau",
   previewHint: "Gehen Sie die Studie wie eine teilnehmende Person durch. Ihre Antworten zählen nicht.",
   running: "Teilnehmende",
@@ -154,6 +159,7 @@ export const studies: Texts["studies"] = {
   closedText: "Die Studie ist geschlossen. Niemand kann teilnehmen.",
   placeholders:
     "Einige Texte enthalten noch Hinweise in eckigen Klammern. Ersetzen Sie diese, bevor Sie jemanden einladen.",
+  savesToDraft: "Speichern macht die offene Studie zum Entwurf. Niemand kann teilnehmen, bis Sie sie wieder öffnen.",
   openStudy: "Studie öffnen",
   openAgain: "Wieder öffnen",
   closeStudy: "Studie schließen",
@@ -177,6 +183,7 @@ export const studies: Texts["studies"] = {
   analysisNone: "Es gibt noch nichts auszuwerten.",
   analysisMissing:
     "Auf diesem Server ist keine Auswertung installiert. Exportieren Sie die Antworten, um sie anderswo auszuwerten.",
+  analysisBusy: "Die Auswertung ist gerade ausgelastet. Versuchen Sie es gleich noch einmal.",
   adopt: "Diese Farben für den Regler „Sanftere Farben“ verwenden",
   adoptText:
     "Alle Personen auf diesem Diaphane-Server erhalten dann die Farbunterschiede dieser Studie anstelle der veröffentlichten.",
@@ -207,7 +214,7 @@ export const studies: Texts["studies"] = {
     markLabel: "Drücken Sie auf die Mitte des Teils.",
     nothingThere: "An dieser Stelle ist nichts. Drücken Sie auf eine andere.",
     radius: "Radius",
-    centre: { x: "Links (x)", y: "Hinten (y)", z: "Kopf (z)" },
+    centre: { x: "Nach links (x)", y: "Nach hinten (y)", z: "Zum Kopf (z)" },
     mm: "mm",
     use: "Dieses Bild verwenden",
   },

@@ -12,7 +12,7 @@ export const studyTemplates: Translation<typeof english> = {
     own: "Neue Studie",
   },
   consent:
-    "Wir laden Sie ein, an einer Studie teilzunehmen. Die Teilnahme ist freiwillig. Sie brauchen kein Konto, und wir speichern weder Ihren Namen noch Ihre Adresse. Wir speichern nur Ihre Antworten, die Sprache und den Tag.\n\nSie können jederzeit ohne Angabe von Gründen aufhören. Am Ende erhalten Sie einen Link, mit dem Sie Ihre Antworten später löschen können.\n\nEinige Bilder zeigen das Innere eines menschlichen Körpers.\n\n[Beschreiben Sie den Zweck Ihrer Studie, wie lange sie dauert, wie lange Sie die Antworten aufbewahren und an wen sich Teilnehmende wenden können.]",
+    "Wir laden Sie ein, an einer Studie teilzunehmen. Die Teilnahme ist freiwillig. Sie brauchen kein Konto, und wir speichern weder Ihren Namen noch Ihre Adresse. Wir speichern nur Ihre Antworten und wie lange jeder Schritt gedauert hat, ob Sie fertig geworden sind, die Sprache und den Tag und, wenn Sie zustimmen, die Aufzeichnung.\n\nSie können jederzeit ohne Angabe von Gründen aufhören. Am Ende erhalten Sie einen Link, mit dem Sie Ihre Antworten später löschen können.\n\nEinige Bilder zeigen das Innere eines menschlichen Körpers.\n\n[Beschreiben Sie den Zweck Ihrer Studie, wie lange sie dauert, wie lange Sie die Antworten aufbewahren und an wen sich Teilnehmende wenden können.]",
   instructions: "[Schreiben Sie hier, was Teilnehmende wissen oder tun sollen.]",
   remarks: "Möchten Sie noch etwas anmerken? Sie können das Feld leer lassen.",
   rating: "Sehen Sie sich das Bild zuerst von allen Seiten an. Wie angenehm ist es für Sie, dieses Bild anzusehen?",

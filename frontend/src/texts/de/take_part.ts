@@ -8,7 +8,7 @@ export const takePart: Texts["takePart"] = {
   steps: (n) => count(n, "Schritt", "Schritte"),
   about: "Worum es geht",
   privacy:
-    "Wir speichern Ihre Antworten, die Sprache und den Tag. Ihren Namen, Ihre Netzadresse und Ihren Browser speichern wir nicht.",
+    "Wir speichern Ihre Antworten und wie lange jeder Schritt gedauert hat, ob Sie fertig geworden sind, die Sprache und den Tag und, wenn Sie zustimmen, die Aufzeichnung. Ihren Namen, Ihre Netzadresse und Ihren Browser speichern wir nicht.",
   recordTitle: "Aufzeichnung",
   recordText:
     "Dürfen wir aufzeichnen, wie Sie das Bild bewegen? Die Aufzeichnung enthält die Ansichten und ihre Zeiten und nichts über Sie.",
@@ -44,6 +44,10 @@ export const takePart: Texts["takePart"] = {
   overTitle: "Die Studie ist beendet",
   overText:
     "Die Studie wurde während Ihrer Teilnahme geschlossen. Ihre gesendeten Antworten sind gespeichert. Vielen Dank.",
+  overAgain: "Weitermachen, falls sie wieder offen ist",
+  endedTitle: "Sie nehmen nicht mehr teil",
+  endedText:
+    "Die Studie hat keine Antworten mehr von Ihnen, zum Beispiel weil Sie sie in einem anderen Fenster gelöscht haben. Sie können dieses Fenster schließen.",
   withdrawLink: "Link zum Löschen Ihrer Antworten",
   withdrawHint:
     "Wenn Sie es sich anders überlegen, öffnen Sie diesen Link, um alle Ihre Antworten zu löschen. Nur Sie haben ihn. Kopieren Sie ihn jetzt, wenn Sie ihn vielleicht brauchen.",
@@ -76,7 +80,7 @@ export const takePart: Texts["takePart"] = {
   picturesFailed: "Die Bilder lassen sich nicht laden. Wir versuchen es weiter…",
   trial: (n, all) => `Aufgabe ${n.toFixed(0)} von ${all.toFixed(0)}`,
   begin: "Start",
-  facing: "Er zeigt zu mir",
+  facing: "Der Teil zeigt zu mir",
   acceptable: "War die Verzögerung des Bildes annehmbar?",
   yes: "Ja",
   no: "Nein",
@@ -86,6 +90,7 @@ export const takePart: Texts["takePart"] = {
   part: (name) => `Der farbige Teil: ${name}`,
   pictureOver: "Das Bild wurde unterbrochen.",
   pictureBusy: "Gerade werden alle Bilder verwendet. Wir versuchen es weiter.",
-  pictureSpent: "Gerade gibt es keine Bilder. Bitte kommen Sie später wieder. Ihre Antworten bleiben.",
+  pictureSpent:
+    "Gerade gibt es keine Bilder. Bitte lassen Sie dieses Fenster offen und versuchen Sie es später wieder.",
   pictureAgain: "Bild wieder zeigen",
 };

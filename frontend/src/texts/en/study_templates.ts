@@ -9,7 +9,7 @@ export const studyTemplates = {
     own: "New study",
   },
   consent:
-    "You are invited to take part in a study. Taking part is voluntary. You need no account, and we store neither your name nor your address. We store only your answers, the language and the day.\n\nYou can stop at any time without giving a reason. At the end you receive a link with which you can delete your answers later.\n\nSome pictures show the inside of a human body.\n\n[Describe the purpose of your study, how long it takes, how long you keep the answers, and whom participants can contact.]",
+    "You are invited to take part in a study. Taking part is voluntary. You need no account, and we store neither your name nor your address. We store only your answers and how long each step took, whether you finished, the language and the day, and, if you agree, the recording.\n\nYou can stop at any time without giving a reason. At the end you receive a link with which you can delete your answers later.\n\nSome pictures show the inside of a human body.\n\n[Describe the purpose of your study, how long it takes, how long you keep the answers, and whom participants can contact.]",
   instructions: "[Write what participants should know or do here.]",
   remarks: "Do you have any remarks? You can leave this empty.",
   rating: "Look at the picture from all sides first. How comfortable do you feel when you look at it?",

@@ -8,7 +8,7 @@ export const takePart = {
   steps: (n: number) => count(n, "step", "steps"),
   about: "What happens",
   privacy:
-    "We store your answers, the language and the day. We do not store your name, your network address or your browser.",
+    "We store your answers and how long each step took, whether you finished, the language and the day, and, if you agree, the recording. We do not store your name, your network address or your browser.",
   recordTitle: "Recording",
   recordText:
     "May we record how you move the picture? The recording contains the views and their times, and nothing about you.",
@@ -43,6 +43,10 @@ export const takePart = {
   deletedText: "Nothing that you have entered is left. You can close this window.",
   overTitle: "The study has ended",
   overText: "The study was closed while you were taking part. The answers that you had sent are saved. Thank you.",
+  overAgain: "Continue if it is open again",
+  endedTitle: "You no longer take part",
+  endedText:
+    "The study no longer has your answers, for example because you deleted them in another window. You can close this window.",
   withdrawLink: "Link to delete your answers",
   withdrawHint:
     "If you change your mind, open this link to delete all of your answers. Only you have it, so copy it now if you may need it.",
@@ -85,6 +89,6 @@ export const takePart = {
   part: (name: string) => `The coloured part: ${name}`,
   pictureOver: "The picture was interrupted.",
   pictureBusy: "All pictures are in use at the moment. We keep trying.",
-  pictureSpent: "Pictures aren’t available at the moment. Please come back later. Your answers stay.",
+  pictureSpent: "Pictures aren’t available at the moment. Please leave this window open and try again later.",
   pictureAgain: "Show the picture again",
 } as const;

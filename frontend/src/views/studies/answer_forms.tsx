@@ -45,34 +45,46 @@ export interface ScaleProps {
   readonly lowText: string;
   readonly highText: string;
   readonly value: number | null;
-  readonly choose: (value: number) => void;
+  /** Called with null while what is typed is not a value of the scale. */
+  readonly choose: (value: number | null) => void;
 }
 
 /** A scale of whole numbers. Long scales are a list, because buttons for them would fill the page. */
 export function Scale({ label, low, high, lowText, highText, value, choose }: ScaleProps) {
   const name = useId();
+  const [typed, setTyped] = useState(value === null ? "" : String(value));
   const values = Array.from({ length: high - low + 1 }, (_, i) => low + i);
+  const ends = (
+    <div class="study-scale-ends">
+      <span>{lowText}</span>
+      <span>{highText}</span>
+    </div>
+  );
   if (values.length > 21)
     return (
-      <label class="field">
-        <span>{label}</span>
-        <input
-          type="number"
-          class="choice"
-          min={low}
-          max={high}
-          value={value ?? ""}
-          onInput={(event) => {
-            const typed = event.currentTarget.valueAsNumber;
-            if (Number.isInteger(typed) && typed >= low && typed <= high) choose(typed);
-          }}
-        />
-      </label>
+      <div>
+        <label class="field">
+          <span>{`${label} (${low.toFixed(0)}–${high.toFixed(0)})`}</span>
+          <input
+            type="number"
+            class="choice"
+            min={low}
+            max={high}
+            value={typed}
+            onInput={(event) => {
+              const { value: text, valueAsNumber: number } = event.currentTarget;
+              setTyped(text);
+              choose(Number.isInteger(number) && number >= low && number <= high ? number : null);
+            }}
+          />
+        </label>
+        {ends}
+      </div>
     );
   return (
     <fieldset class="study-scale">
       <legend class="visually-hidden">{label}</legend>
-      <div class="study-scale-values">
+      <div class="study-scale-values" style={values.length <= 11 ? { "--count": values.length } : undefined}>
         {values.map((one) => (
           <label key={one}>
             <input type="radio" name={name} checked={value === one} onChange={() => choose(one)} />
@@ -80,10 +92,7 @@ export function Scale({ label, low, high, lowText, highText, value, choose }: Sc
           </label>
         ))}
       </div>
-      <div class="study-scale-ends">
-        <span>{lowText}</span>
-        <span>{highText}</span>
-      </div>
+      {ends}
     </fieldset>
   );
 }

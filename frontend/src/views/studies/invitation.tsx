@@ -25,7 +25,7 @@ export function InvitationForm({ invitation, fault, join }: InvitationFormProps)
         <PageTitle text={title.text} />
       </div>
       <p class="lead">
-        {[invitation.researcher ? text.by(invitation.researcher) : "", text.steps(invitation.steps)]
+        {[invitation.researcher ? text.by(invitation.researcher) : "", text.steps(invitation.steps - 1)]
           .filter(Boolean)
           .join(" · ")}
       </p>

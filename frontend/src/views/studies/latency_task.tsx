@@ -4,7 +4,7 @@ import { cameraOf, sceneFromJson } from "../../protocol/messages";
 import { tab } from "../../storage";
 import { textIn, type Answer, type LatencyStep, type Trial } from "../../studies/definition";
 import { DelayLine } from "../../studies/delay_line";
-import type { Participation } from "../../studies/participation";
+import { trialsKey, type Participation } from "../../studies/participation";
 import { fromRandomView, studyPlace } from "../../studies/place";
 import { randomNumbers, shuffled } from "../../studies/random";
 import { facingError, vectorOf } from "../../studies/views";
@@ -22,6 +22,9 @@ export interface LatencyTaskProps {
   readonly done: (value: Answer) => void;
 }
 
+/** The server refuses a longer time. */
+const longestTrialMs = 3_600_000;
+
 type Measured = Pick<Trial, "time_ms" | "error_degrees">;
 
 /** Trials with different delays: turn the marked part to the viewer, then rate the delay. */
@@ -38,6 +41,7 @@ export function LatencyTask({ step, participation, done }: LatencyTaskProps) {
         key={task.again.count}
         place={task.place}
         turns={phase === "turning"}
+        resets={false}
         covered={phase !== "turning"}
         onSession={task.setSession}
         onRecording={participation.record ? (one) => participation.queue.record(step.id, one) : undefined}
@@ -68,7 +72,7 @@ type Phase = "waiting" | "coming" | "turning" | "rating";
 /** The state of the trials. Those that are done survive a reload. */
 function useTrials(step: LatencyStep, participation: Participation, done: (value: Answer) => void) {
   const { seed } = participation.joined;
-  const kept = `diaphane.study.trials.${participation.key.slice(0, 8)}.${step.id}`;
+  const kept = trialsKey(participation.key, step.id);
   const [delays] = useState(() => shuffled(step.delays_ms, randomNumbers(seed, `delays/${step.id}`)));
   const [trials, setTrials] = useState<readonly Trial[]>(() => keptTrials(tab.getItem(kept)));
   const [phase, setPhase] = useState<Phase>("waiting");
@@ -100,7 +104,10 @@ function useTrials(step: LatencyStep, participation: Participation, done: (value
     const region = step.view?.region;
     if (!pose || !region) return;
     const missed = facingError(pose, vectorOf(region.centre));
-    setMeasured({ time_ms: Math.round(performance.now() - begunMs.current), error_degrees: missed });
+    setMeasured({
+      time_ms: Math.min(Math.round(performance.now() - begunMs.current), longestTrialMs),
+      error_degrees: missed,
+    });
     setPhase("rating");
   };
   const rate = (acceptable: boolean, rating: number) => {

@@ -13,6 +13,8 @@ export interface LivePictureProps {
   readonly place: Place;
   /** Whether the picture can be turned. */
   readonly turns: boolean;
+  /** Whether a key shows the first view again. In a task about views, it would be the answer. */
+  readonly resets?: boolean;
   /** Whether the picture is hidden for now. */
   readonly covered?: boolean;
   readonly onSession: (session: ViewerSession) => void;
@@ -26,7 +28,7 @@ export interface LivePictureProps {
 
 /** A live picture without the menus of the viewer. */
 export function LivePicture(props: LivePictureProps) {
-  const { place, turns, covered = false, onSession, onRecording, onAgain, children } = props;
+  const { place, turns, covered = false, resets = true, onSession, onRecording, onAgain, children } = props;
   const canvas = useRef<HTMLCanvasElement>(null);
   const { session, fault } = useViewerSession(place, canvas);
   useEffect(() => {
@@ -35,10 +37,10 @@ export function LivePicture(props: LivePictureProps) {
   }, [session]);
   useRecording(session, onRecording);
   useKeyCommands((command: KeyCommand) => {
-    if (!turns || covered || !session) return;
+    if (!session) return;
     if (command.kind === "gesture") session.editor.act(command.gesture);
-    if (command.kind === "reset") session.editor.resetCamera();
-  });
+    if (command.kind === "reset" && resets) session.editor.resetCamera();
+  }, turns && !covered);
   const shown = session?.pictures.picture.value ?? null;
   return (
     <div class="study-picture" data-covered={covered || shown === null ? "" : undefined}>

@@ -1,16 +1,17 @@
-import { mayChangeParts, type View } from "../../studies/definition";
+import { mayChangeParts, type StepKind, type View } from "../../studies/definition";
 import { t } from "../../texts";
 import { Choice } from "../choice";
 import { Switch } from "../viewer/settings/controls";
 import type { ViewSettings } from "./view_settings";
 
 export interface MayChangeFieldsProps {
+  readonly kind: StepKind;
   readonly settings: ViewSettings;
   readonly set: (settings: ViewSettings) => void;
 }
 
 /** What participants may change in the picture, and how they see it first. */
-export function MayChangeFields({ settings, set }: MayChangeFieldsProps) {
+export function MayChangeFields({ kind, settings, set }: MayChangeFieldsProps) {
   const text = t.studies.editor;
   const starts: readonly View["start"][] = ["preset", "random"];
   return (
@@ -31,12 +32,14 @@ export function MayChangeFields({ settings, set }: MayChangeFieldsProps) {
           />
         ))}
       </fieldset>
-      <Choice
-        label={text.start}
-        value={settings.start}
-        options={starts.map((one) => [one, text.starts[one]] as const)}
-        onChoose={(value) => set({ ...settings, start: value === "random" ? "random" : "preset" })}
-      />
+      {kind === "latency" ? null : ( // its trials always begin with random views
+        <Choice
+          label={text.start}
+          value={settings.start}
+          options={starts.map((one) => [one, text.starts[one]] as const)}
+          onChoose={(value) => set({ ...settings, start: value === "random" ? "random" : "preset" })}
+        />
+      )}
     </>
   );
 }

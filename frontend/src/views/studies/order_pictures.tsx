@@ -36,7 +36,12 @@ export function OrderPictures({ step, study, save, chooseView }: OrderPicturesPr
       <p role="status">{text.picturesThere(urls.size, step.pictures.length)}</p>
       {state}
       <p>
-        <button type="button" class="button" disabled={busy} onClick={() => chooseView({ view: null, use: take })}>
+        <button
+          type="button"
+          class="button"
+          disabled={busy}
+          onClick={() => chooseView({ view: null, kind: step.kind, use: take })}
+        >
           {urls.size > 0 ? text.picturesAgain : text.picturesTake}
         </button>
       </p>

@@ -25,7 +25,7 @@ export function OrderTask({ step, participation, done }: OrderTaskProps) {
   const [shown] = useState(() => shuffled(ids, randomNumbers(participation.joined.seed, `pictures/${step.id}`)));
   const [order, setOrder] = useState<readonly string[]>(shown);
   const [told, setTold] = useState("");
-  const { urls, failing } = usePictures(participation.key, shown);
+  const { urls, failing } = usePictures(participation, shown);
   const list = useRef<HTMLOListElement>(null);
   const move = (id: string, to: number) => {
     const next = moved(order, order.indexOf(id), to);
@@ -81,18 +81,23 @@ interface PictureItemProps {
 function PictureItem({ number, at, all, url, move, grab }: PictureItemProps) {
   const text = t.takePart;
   const item = useRef<HTMLDivElement>(null);
-  const byKey = useRef(false);
+  /** What the participant moved the picture with. A browser drops its focus when the picture moves in the page. */
+  const used = useRef<HTMLElement | null>(null);
   useEffect(() => {
-    // A browser drops the focus of an element that is moved in the page.
-    if (byKey.current) item.current?.focus();
-    byKey.current = false;
+    if (used.current) (used.current.matches(":disabled") ? item.current : used.current)?.focus();
+    used.current = null;
   }, [at]);
+  const moveBy = (by: number) => {
+    if (at + by < 0 || at + by >= all) return;
+    const { activeElement } = document;
+    used.current = activeElement instanceof HTMLElement ? activeElement : null;
+    move(at + by);
+  };
   const key = (event: KeyboardEvent) => {
     const by = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 }[event.key];
     if (by === undefined) return;
     event.preventDefault();
-    byKey.current = true;
-    move(at + by);
+    moveBy(by);
   };
   return (
     <li data-picture={number}>
@@ -111,9 +116,9 @@ function PictureItem({ number, at, all, url, move, grab }: PictureItemProps) {
         </span>
       </div>
       <div class="study-order-tools">
-        <IconButton icon="left" label={text.earlier(number)} disabled={at === 0} onClick={() => move(at - 1)} />
+        <IconButton icon="left" label={text.earlier(number)} disabled={at === 0} onClick={() => moveBy(-1)} />
         <span aria-hidden="true">{at + 1}</span>
-        <IconButton icon="right" label={text.later(number)} disabled={at === all - 1} onClick={() => move(at + 1)} />
+        <IconButton icon="right" label={text.later(number)} disabled={at === all - 1} onClick={() => moveBy(1)} />
       </div>
     </li>
   );
@@ -152,7 +157,7 @@ function useDragging(
 }
 
 /** Loads the pictures of the step, and tries again while the server is not there. */
-function usePictures(participant: string, ids: readonly string[]) {
+function usePictures(participation: Participation, ids: readonly string[]) {
   const { api } = useApp();
   const [urls, setUrls] = useState<ReadonlyMap<string, string>>(new Map());
   const [failing, setFailing] = useState(false);
@@ -164,12 +169,12 @@ function usePictures(participant: string, ids: readonly string[]) {
     const load = async (id: string): Promise<void> => {
       if (isGone()) return;
       try {
-        const url = URL.createObjectURL(await api.studies.pictureOf(participant, id, leaving.signal));
+        const url = URL.createObjectURL(await api.studies.pictureOf(participation.key, id, leaving.signal));
         made.push(url);
         setUrls((before) => new Map(before).set(id, url));
         setFailing(false);
-      } catch {
-        if (isGone()) return;
+      } catch (thrown) {
+        if (isGone() || participation.endIfOver(thrown)) return;
         setFailing(true);
         await new Promise<void>((resolve) => (stopTimer = after(triedAgainMs, resolve)));
         await load(id);
@@ -183,6 +188,6 @@ function usePictures(participant: string, ids: readonly string[]) {
       stopTimer();
       for (const url of made) URL.revokeObjectURL(url);
     };
-  }, [api, participant, ids]);
+  }, [api, participation, ids]);
   return { urls, failing };
 }

@@ -27,8 +27,9 @@ export function ResultsPart({ study }: { readonly study: Study }) {
         setAnalysis(found);
         return found.sections.length === 0 ? text.analysisNone : "";
       } catch (thrown) {
-        const missing = thrown instanceof ApiProblem && thrown.status === 503;
-        throw missing ? new UserError(text.analysisMissing) : thrown;
+        const kind = thrown instanceof ApiProblem && thrown.status === 503 ? thrown.kind : "";
+        if (kind === "unavailable") throw new UserError(text.analysisMissing);
+        throw kind === "busy" ? new UserError(text.analysisBusy) : thrown;
       }
     });
   return (

@@ -26,7 +26,8 @@ export function RunningPart({ editing, study }: RunningPartProps) {
   const text = t.studies;
   const setState = (state: "open" | "closed") =>
     act(async () => {
-      await editing.save();
+      // An open study can be closed even while its changes are incomplete.
+      if (state === "open") await editing.save();
       await app.api.studies.setState(study.id, state);
       await editing.reload();
       setClosing(false);

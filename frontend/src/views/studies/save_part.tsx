@@ -1,6 +1,7 @@
 import { t } from "../../texts";
 import { Icon } from "../icons";
 import { navigate } from "../router";
+import { Notice } from "../shell";
 import { useAct } from "../use_act";
 import type { StudyEditing } from "./use_study";
 
@@ -38,6 +39,8 @@ export function SavePart({ editing }: { readonly editing: StudyEditing }) {
       </div>
       {outcome}
       {dirty && study ? <p class="muted">{text.unsaved}</p> : null}
+      {dirty && editing.stale ? <Notice kind="warn">{text.changedElsewhere}</Notice> : null}
+      {dirty && study?.state === "open" ? <Notice kind="warn">{text.savesToDraft}</Notice> : null}
     </section>
   );
 }

@@ -50,7 +50,13 @@ export function StepForm(props: StepFormProps) {
           step={step}
           other={props.otherView}
           change={change}
-          choose={() => props.chooseView({ view: step.view ?? null, use: (view) => change(withStepView(step, view)) })}
+          choose={() =>
+            props.chooseView({
+              view: step.view ?? null,
+              kind: step.kind,
+              use: (view) => change(withStepView(step, view)),
+            })
+          }
         />
       ) : null}
       <KindFields {...props} />

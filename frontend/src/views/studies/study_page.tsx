@@ -26,6 +26,7 @@ export function StudyPage({ studyId }: { readonly studyId: string }) {
       {choice ? (
         <ViewEditor
           view={choice.view}
+          kind={choice.kind}
           onCancel={close}
           onUse={(view) => {
             choice.use(view);

@@ -1,6 +1,7 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { after } from "../../live/paced";
 import { hasView, textIn, type Answer, type Step } from "../../studies/definition";
-import type { Ending, Participation } from "../../studies/participation";
+import { failureOf, type Ending, type Participation } from "../../studies/participation";
 import { language, t } from "../../texts";
 import { Dialog } from "../dialog";
 import { Notice, PageTitle } from "../shell";
@@ -54,33 +55,42 @@ export function StudySteps({ participation, end, leave }: StudyStepsProps) {
 function useQueue(participation: Participation, end: (ending: Ending) => void): void {
   const { queue } = participation;
   const isLast = participation.current() === null;
-  const isOver = queue.over.value;
+  const over = queue.over.value;
   useEffect(() => {
     const wake = () => queue.wake();
     wake();
     addEventListener("online", wake);
-    return () => removeEventListener("online", wake);
+    return () => {
+      removeEventListener("online", wake);
+      // After a change of the language, a new queue continues with the same store.
+      queue.stop();
+    };
   }, [queue]);
   useEffect(() => {
-    if (isOver) end("over");
+    if (over !== null) end(over);
     // eslint-disable-next-line react-hooks/exhaustive-deps -- `end` is new in each render
-  }, [isOver]);
+  }, [over]);
   useEffect(() => {
     if (!isLast) return;
     let here = true;
+    let stopTimer: () => void = () => undefined;
     const finish = async (): Promise<void> => {
       try {
         await participation.finish();
-        if (here && !queue.over.value) end("finished");
+        if (here && queue.over.value === null) end("finished");
       } catch (thrown) {
-        if (!here) return;
-        if (participation.isOver(thrown)) end("over");
-        else setTimeout(() => void finish(), finishedAgainMs);
+        if (!here || participation.endIfOver(thrown)) return;
+        if (failureOf(thrown).kind === "refused") end("finished");
+        else {
+          queue.waiting.value = true;
+          stopTimer = after(finishedAgainMs, () => void finish());
+        }
       }
     };
     void finish();
     return () => {
       here = false;
+      stopTimer();
     };
     // eslint-disable-next-line react-hooks/exhaustive-deps -- `end` is new in each render
   }, [isLast, participation]);
@@ -98,12 +108,22 @@ function Progress({ participation, title, step }: ProgressProps) {
   const all = participation.steps.length;
   const at = participation.steps.indexOf(step) + 1;
   const text = t.takePart.progress(at, all);
+  const place = useRef<HTMLParagraphElement>(null);
+  const first = useRef(step.id);
+  useEffect(() => {
+    if (step.id === first.current) return;
+    first.current = "";
+    scrollTo(0, 0);
+    place.current?.focus({ preventScroll: true });
+  }, [step.id]);
   return (
     <div class="study-progress">
       <div lang={title.lang}>
         <PageTitle text={title.text} first={participation.answered() === 0} />
       </div>
-      <p role="status">{text}</p>
+      <p ref={place} tabIndex={-1} role="status">
+        {text}
+      </p>
       <progress aria-label={text} max={all} value={participation.answered()} />
     </div>
   );
@@ -126,30 +146,45 @@ interface StopDialogProps {
 
 /** Asks whether the answers so far are kept. */
 function StopDialog({ participation, onClose, end }: StopDialogProps) {
-  const { act, busy, outcome } = useAct();
+  const keeping = useAct();
+  const deleting = useAct();
+  /** What was chosen last. Null once the dialog is closed, so that a late network does not stop the participant. */
+  const chosen = useRef<"kept" | "deleted" | null>(null);
+  const isChosen = (ending: "kept" | "deleted"): boolean => chosen.current === ending;
+  useEffect(() => () => void (chosen.current = null), []);
   const text = t.takePart;
-  const stop = (ending: "kept" | "deleted") =>
-    act(async () => {
-      if (ending === "deleted") await participation.withdraw();
-      else await participation.queue.whenEmpty();
-      end(ending);
+  const { queue } = participation;
+  const keep = () =>
+    keeping.act(async () => {
+      chosen.current = "kept";
+      await queue.whenEmpty();
+      if (isChosen("kept") && queue.over.value === null) end("kept");
+      return "";
+    });
+  const remove = () =>
+    deleting.act(async () => {
+      chosen.current = "deleted";
+      await participation.withdraw();
+      end("deleted");
       return "";
     });
   return (
     <Dialog title={text.stopTitle} onClose={onClose}>
       <p>{text.stopText}</p>
       <div class="study-choices">
-        <button type="button" class="button button-main" disabled={busy} onClick={() => stop("kept")}>
+        <button type="button" class="button button-main" disabled={keeping.busy || deleting.busy} onClick={keep}>
           {text.stopKeep}
         </button>
-        <button type="button" class="button button-danger" disabled={busy} onClick={() => stop("deleted")}>
+        <button type="button" class="button button-danger" disabled={deleting.busy} onClick={remove}>
           {text.stopDelete}
         </button>
         <button type="button" class="button" onClick={onClose}>
           {text.stopNot}
         </button>
       </div>
-      {outcome}
+      <QueueNotices queue={queue} />
+      {keeping.outcome}
+      {deleting.outcome}
     </Dialog>
   );
 }

@@ -1,10 +1,10 @@
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../../api/client";
 import { randomKey } from "../../api/random_key";
 import type { JoinedStudy, StudyInvitation } from "../../api/studies";
 import { after } from "../../live/paced";
 import { tab } from "../../storage";
-import { keepParticipant, keptParticipant, Participation, type Ending } from "../../studies/participation";
+import { keepParticipant, keptParticipant, Participation, queueOf, type Ending } from "../../studies/participation";
 import { language, t } from "../../texts";
 import { problemText } from "../../texts/problem_text";
 import { Loading } from "../loading";
@@ -19,9 +19,9 @@ const triedAgainMs = 3000;
 
 /** The page of a participant: the invitation, the steps and the end. It needs no account. */
 export function TakePartByLink({ token }: { readonly token: string }) {
-  const { kept, joined, fault, join, end } = useJoining(token);
+  const { kept, joined, fault, join, end, again } = useJoining(token);
   const invitation = useInvitation(token, kept === null);
-  if (kept?.ended) return <EndPage ending={kept.ended} participant={kept.key} />;
+  if (kept?.ended) return <EndPage ending={kept.ended} participant={kept.key} again={again} />;
   if (joined && kept) return <Steps key={kept.key} joined={joined} participant={kept} end={end} />;
   if (kept) return <Joining fault={fault} />;
   if (invitation.found) return <InvitationForm invitation={invitation.found} fault={fault} join={join} />;
@@ -88,7 +88,7 @@ function goneText(thrown: unknown): string {
 /** Joins as a new participant, or after a reload as the one whose key this tab has kept. */
 function useJoining(token: string) {
   const { api } = useApp();
-  const [kept, setKept] = useState(() => keptParticipant(tab, token));
+  const [kept, setKept] = useState(() => reopened(keptParticipant(tab, token)));
   const [joined, setJoined] = useState<JoinedStudy | null>(null);
   const [fault, setFault] = useState("");
   const continues = kept !== null && kept.ended === null && joined === null;
@@ -102,8 +102,16 @@ function useJoining(token: string) {
         if (here) setJoined(again);
       } catch (thrown) {
         if (!here) return;
-        setFault(isFinal(thrown) ? goneText(thrown) : t.takePart.joining);
-        if (!isFinal(thrown)) stopTimer = after(triedAgainMs, () => void load());
+        if (isFinal(thrown)) {
+          // The link has ended, but the key may still be known.
+          const queue = queueOf(api.studies, kept.key, tab, after);
+          stopTimer = () => queue.stop();
+          await queue.whenEmpty();
+          end(isGone(thrown) ? "gone" : (queue.over.value ?? "over"));
+          return;
+        }
+        setFault(t.takePart.joining);
+        stopTimer = after(triedAgainMs, () => void load());
       }
     };
     void load();
@@ -111,9 +119,13 @@ function useJoining(token: string) {
       here = false;
       stopTimer();
     };
+    // eslint-disable-next-line react-hooks/exhaustive-deps -- `end` is new in each render
   }, [api, token, continues, kept]);
+  /** A repeated request joins as the same participant, also if only the answer to the first one was lost. */
+  const key = useRef("");
   const join = async (record: boolean): Promise<void> => {
-    const participant = { key: randomKey() + randomKey(), record, ended: null };
+    key.current ||= randomKey() + randomKey();
+    const participant = { key: key.current, record, ended: null };
     setFault("");
     try {
       const now = await api.studies.join(token, participant.key, language.value, record);
@@ -121,8 +133,7 @@ function useJoining(token: string) {
       setKept(participant);
       setJoined(now);
     } catch (thrown) {
-      const over = thrown instanceof ApiProblem && thrown.status === 410;
-      setFault(over ? goneText(thrown) : thrown instanceof ApiProblem ? problemText(thrown) : t.problems.internal);
+      setFault(joinFault(thrown));
     }
   };
   const end = (ending: Ending) => {
@@ -131,8 +142,22 @@ function useJoining(token: string) {
     keepParticipant(tab, token, ended);
     setKept(ended);
   };
-  return { kept, joined, fault, join, end };
+  /** Tries to continue with a study that was closed. */
+  const again = () => {
+    setJoined(null);
+    setKept(reopened(kept));
+  };
+  return { kept, joined, fault, join, end, again };
 }
+
+function joinFault(thrown: unknown): string {
+  if (!(thrown instanceof ApiProblem)) return t.problems.internal;
+  return thrown.status === 410 ? goneText(thrown) : problemText(thrown);
+}
+
+type Kept = ReturnType<typeof keptParticipant>;
+const reopened = (kept: Kept): Kept => (kept?.ended === "over" ? { ...kept, ended: null } : kept);
+const isGone = (thrown: unknown): boolean => thrown instanceof ApiProblem && thrown.kind === "participation-ended";
 
 interface StepsProps {
   readonly joined: JoinedStudy;
@@ -146,5 +171,9 @@ function Steps({ joined, participant: { key, record }, end }: StepsProps) {
     () => new Participation(api.studies, key, joined, record, tab, after),
     [api, key, joined, record],
   );
-  return <StudySteps participation={participation} end={end} />;
+  const endHere = (ending: Ending) => {
+    if (ending !== "over") participation.forgetSteps();
+    end(ending);
+  };
+  return <StudySteps participation={participation} end={endHere} />;
 }

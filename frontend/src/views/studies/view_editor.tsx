@@ -5,7 +5,7 @@ import { ownPlace, type Place } from "../../live/place";
 import { randomKey } from "../../api/random_key";
 import { sceneFromJson, sceneToJson, type Scene } from "../../protocol/messages";
 import { tab } from "../../storage";
-import type { Region, View } from "../../studies/definition";
+import type { Region, StepKind, View } from "../../studies/definition";
 import { withRegion } from "../../studies/region";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
@@ -27,12 +27,13 @@ import type { ViewSettings } from "./view_settings";
 export interface ViewEditorProps {
   /** The view to change, or null for a new one. */
   readonly view: View | null;
+  readonly kind: StepKind;
   readonly onUse: (view: View) => void;
   readonly onCancel: () => void;
 }
 
 /** Lets the researcher choose the picture of a step in a live view of the scan. */
-export function ViewEditor({ view, onUse, onCancel }: ViewEditorProps) {
+export function ViewEditor({ view, kind, onUse, onCancel }: ViewEditorProps) {
   const scans = useViewScans();
   const [chosen, setChosen] = useState<string | null>(view?.data_set_id ?? null);
   const text = t.studies.editor;
@@ -49,6 +50,7 @@ export function ViewEditor({ view, onUse, onCancel }: ViewEditorProps) {
           scans={scans}
           choose={setChosen}
           view={view?.data_set_id === scan.id ? view : null}
+          kind={kind}
           onUse={onUse}
           onCancel={onCancel}
         />
@@ -69,10 +71,10 @@ interface ScanViewProps extends ViewEditorProps {
   readonly choose: (id: string) => void;
 }
 
-function ScanView({ scan, scans, choose, view, onUse, onCancel }: ScanViewProps) {
+function ScanView({ scan, scans, choose, view, kind, onUse, onCancel }: ScanViewProps) {
   const { place, again } = useComposerPlace(scan.id, view);
   const [session, setSession] = useState<ViewerSession | null>(null);
-  const [settings, set] = useState<ViewSettings>(() => settingsOf(view));
+  const [settings, set] = useState<ViewSettings>(() => settingsOf(view, kind));
   const picture = useMemo(() => new InPicture(), []);
   useShownRegion(session, settings.region);
   const text = t.studies.editor;
@@ -95,7 +97,7 @@ function ScanView({ scan, scans, choose, view, onUse, onCancel }: ScanViewProps)
         />
         {session ? <LookFields session={session} scan={scan} settings={settings} set={set} /> : null}
         <p class="hint">{t.takePart.hint}</p>
-        <MayChangeFields settings={settings} set={set} />
+        <MayChangeFields settings={settings} set={set} kind={kind} />
         {session ? <RegionFields session={session} picture={picture} settings={settings} set={set} /> : null}
         <div class="study-choices">
           <button type="button" class="button" onClick={onCancel}>
@@ -115,10 +117,14 @@ function ScanView({ scan, scans, choose, view, onUse, onCancel }: ScanViewProps)
   );
 }
 
-const settingsOf = (view: View | null): ViewSettings => ({
+/** A first view that the researcher chose would lead participants to it, so a choice of a view begins at random. */
+const firstStart = (kind: StepKind): View["start"] =>
+  kind === "viewpoint" || kind === "latency" ? "random" : "preset";
+
+const settingsOf = (view: View | null, kind: StepKind): ViewSettings => ({
   preset: view?.preset ?? "",
   mayChange: view?.may_change ?? ["camera"],
-  start: view?.start ?? "preset",
+  start: kind === "latency" ? "random" : (view?.start ?? firstStart(kind)),
   region: view?.region ?? null,
 });
 

@@ -1,8 +1,10 @@
-import type { MayChange, Region, View } from "../../studies/definition";
+import type { MayChange, Region, StepKind, View } from "../../studies/definition";
 
 /** A request to choose a picture. */
 export interface ViewChoice {
   readonly view: View | null;
+  /** The kind of the step that gets the picture. */
+  readonly kind: StepKind;
   readonly use: (view: View) => void;
 }
 

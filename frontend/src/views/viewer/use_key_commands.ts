@@ -3,10 +3,11 @@ import { commandOf, type KeyCommand } from "../../input/keys";
 import { focusedOf } from "../focused";
 import { useLatest } from "../use_latest";
 
-/** Runs `obey` for the keys of the viewer, wherever the focus is, unless a dialog is open. */
-export function useKeyCommands(obey: (command: KeyCommand) => void): void {
+/** Runs `obey` for the keys of the viewer, wherever the focus is, unless a dialog is open or it is not `active`. */
+export function useKeyCommands(obey: (command: KeyCommand) => void, active = true): void {
   const latest = useLatest(obey);
   useEffect(() => {
+    if (!active) return;
     const pressed = (event: KeyboardEvent) => {
       if (event.defaultPrevented || document.querySelector("dialog[open]")) return;
       const command = commandOf(
@@ -21,5 +22,5 @@ export function useKeyCommands(obey: (command: KeyCommand) => void): void {
     };
     addEventListener("keydown", pressed);
     return () => removeEventListener("keydown", pressed);
-  }, [latest]);
+  }, [latest, active]);
 }
