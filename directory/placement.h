@@ -16,7 +16,7 @@ struct SessionInfo {
   std::string id;       ///< an ID as in common/ids.h
   std::string user_id;  ///< the user who opened it; it does not exist for anyone else
   std::string data_set_id;
-  std::string worker_id;  ///< the worker of the last placement
+  std::string worker_id;        ///< the worker of the last placement
   std::string charged_to = {};  ///< as in PlaceRequest
 };
 

@@ -108,7 +108,8 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
 Result<SessionInfo> Sessions::find(std::string_view session_id) {
   if (!is_id(session_id)) return no_session();
   const std::string key = "diaphane:session:" + std::string(session_id);
-  const Result<Reply> reply = client_.command({"HMGET", key, "user", "data_set", "worker", "charged_to"});
+  const Result<Reply> reply =
+      client_.command({"HMGET", key, "user", "data_set", "worker", "charged_to"});
   if (!reply) return tl::unexpected(reply.error());
   if (reply->at(0).empty()) return no_session();
   return SessionInfo{std::string(session_id), reply->at(0), reply->at(1), reply->at(2),

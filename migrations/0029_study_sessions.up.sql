@@ -1,5 +1,5 @@
 -- Render sessions whose participant is gone: after a withdrawal, or with a preview, a study or an account. The background
--- task ends them, so that no session goes on if Redis was unavailable at that moment.
+-- task ends them, so that no session continues if Redis was unavailable at that moment.
 CREATE TABLE study_ended_sessions (
   session_id  uuid PRIMARY KEY
 );

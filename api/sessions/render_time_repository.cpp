@@ -9,14 +9,13 @@ Result<std::vector<std::string>> RenderTimeRepository::add(
     std::vector<std::string> over;
     for (const auto& [viewer, ms] : spent) {
       // The researcher pays for the participants of their studies.
-      const auto user =
-          transaction
-              .exec_params1(
-                  R"sql(
+      const auto user = transaction
+                            .exec_params1(
+                                R"sql(
                   SELECT COALESCE((SELECT s.owner_id FROM study_participants p JOIN studies s ON s.id = p.study_id
                                     WHERE p.id = $1::uuid), $1::uuid))sql",
-                  viewer)[0]
-              .as<std::string>();
+                                viewer)[0]
+                            .as<std::string>();
       transaction.exec_params0(
           R"sql(
           INSERT INTO render_time AS r (user_id, month, device_ms)

@@ -164,7 +164,8 @@ TEST_F(SharingTest, WithdrawingAccessEndsTheSessionsOfThoseWhoLostItAndNoOthers)
     placement.sessions["study of " + payer].charged_to = payer;
   }
   ASSERT_TRUE(sharing.unshare(owner, id, person));
-  EXPECT_THAT(placement.ended, UnorderedElementsAre("lost", "old visit", "study of " + shared.user_id))
+  EXPECT_THAT(placement.ended,
+              UnorderedElementsAre("lost", "old visit", "study of " + shared.user_id))
       << "a study shows only its researcher's own scans and public ones";
 }
 

@@ -12,10 +12,10 @@ constexpr const char* kOpen =
     "to_timestamp($1::bigint / 1e6)) ";
 
 /// Whether the participant or preview `p` can take part at the time $1.
-const std::string kParticipates =
-    std::string(" CASE WHEN p.preview_until IS NULL THEN") + kOpen +
-    "ELSE u.is_researcher AND u.disabled_at IS NULL AND p.preview_until > to_timestamp($1::bigint / "
-    "1e6) END ";
+const std::string kParticipates = std::string(" CASE WHEN p.preview_until IS NULL THEN") + kOpen +
+                                  "ELSE u.is_researcher AND u.disabled_at IS NULL AND "
+                                  "p.preview_until > to_timestamp($1::bigint / "
+                                  "1e6) END ";
 
 tl::unexpected<Error> no_participant() {
   return fail(ErrorCode::kNotFound, "There is no such participant.");
@@ -23,11 +23,11 @@ tl::unexpected<Error> no_participant() {
 
 std::optional<Participation> find_by_key(pqxx::work& transaction, const std::string& key_hash,
                                          Time now) {
-  const auto rows = transaction.exec_params(
-      "SELECT s.definition," + kParticipates + "AS open," + kParticipantColumns + "," + kStudyColumns + R"sql(
+  const auto rows = transaction.exec_params("SELECT s.definition," + kParticipates + "AS open," +
+                                                kParticipantColumns + "," + kStudyColumns + R"sql(
             FROM study_participants p JOIN studies s ON s.id = p.study_id JOIN users u ON u.id = s.owner_id
            WHERE p.key_hash = $2)sql",
-      to_us(now), key_hash);
+                                            to_us(now), key_hash);
   if (rows.empty()) return std::nullopt;
   Participation found{read_participant(rows[0]), read_study(rows[0]), rows[0]["open"].as<bool>()};
   found.study.content.definition = rows[0]["definition"].as<std::string>();
@@ -52,11 +52,11 @@ struct Standing {
 Result<Standing> lock_participant(pqxx::work& transaction, const std::string& key_hash, Time now) {
   transaction.exec_params("SELECT 1 FROM study_participants WHERE key_hash = $1 FOR UPDATE",
                           key_hash);
-  const auto rows = transaction.exec_params(
-      "SELECT p.id, p.study_id," + kParticipates + R"sql(AS open
+  const auto rows =
+      transaction.exec_params("SELECT p.id, p.study_id," + kParticipates + R"sql(AS open
         FROM study_participants p JOIN studies s ON s.id = p.study_id JOIN users u ON u.id = s.owner_id
        WHERE p.key_hash = $2)sql",
-      to_us(now), key_hash);
+                              to_us(now), key_hash);
   if (rows.empty()) return no_participant();
   if (!rows[0]["open"].as<bool>()) return fail(ErrorCode::kConflict, "This study is closed.");
   return Standing{rows[0]["id"].as<std::string>(), rows[0]["study_id"].as<std::string>()};
@@ -78,7 +78,8 @@ int next_number(pqxx::work& transaction, const std::string& study_id, bool previ
   if (preview) {
     return transaction
         .exec_params1(
-            "SELECT LEAST(COALESCE(min(number), 0), 0) - 1 FROM study_participants WHERE study_id = "
+            "SELECT LEAST(COALESCE(min(number), 0), 0) - 1 FROM study_participants WHERE study_id "
+            "= "
             "$1::uuid",
             study_id)[0]
         .as<int>();
@@ -94,13 +95,12 @@ int next_number(pqxx::work& transaction, const std::string& study_id, bool previ
 /// Checks, with the study locked, that a participant without a preview may join.
 Result<void> check_join(pqxx::work& transaction, const std::string& study_id,
                         const std::string& key_hash, Time now) {
-  const auto rows = transaction.exec_params(
-      "SELECT s.places," + std::string(kOpen) +
-          R"sql(AS open,
+  const auto rows = transaction.exec_params("SELECT s.places," + std::string(kOpen) +
+                                                R"sql(AS open,
           (SELECT count(*) FROM study_participants p WHERE p.study_id = s.id AND p.preview_until IS NULL)::int AS joined,
           EXISTS (SELECT FROM study_withdrawn_keys w WHERE w.key_hash = $3) AS withdrawn
           FROM studies s JOIN users u ON u.id = s.owner_id WHERE s.id = $2::uuid)sql",
-      to_us(now), study_id, key_hash);
+                                            to_us(now), study_id, key_hash);
   if (rows.empty()) return fail(ErrorCode::kNotFound, "Study not found.");
   if (rows[0]["withdrawn"].as<bool>()) {
     return fail(ErrorCode::kConflict, "This participant withdrew.", "withdrawn");
@@ -177,9 +177,10 @@ Result<ParticipantStore::Answered> ParticipantRepository::answered(
     const std::string& participant_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<Answered> {
     Answered answered;
-    for (const pqxx::row& row : transaction.exec_params(
-             "SELECT step, sequence FROM study_answers WHERE participant_id = $1::uuid ORDER BY sequence",
-             participant_id)) {
+    for (const pqxx::row& row :
+         transaction.exec_params("SELECT step, sequence FROM study_answers WHERE participant_id = "
+                                 "$1::uuid ORDER BY sequence",
+                                 participant_id)) {
       answered.steps.push_back(row["step"].as<std::string>());
       answered.sequence = row["sequence"].as<std::int64_t>();
     }

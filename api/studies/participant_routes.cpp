@@ -144,11 +144,10 @@ Outcome<void> check_recording(Participations& participations, const Request& req
 Response joined_response(const Participations::Joined& joined) {
   const auto& [participation, answered] = joined;
   return json_response(
-      201,
-      {{"seed", participation.participant.seed},
-       {"definition", definition_for_participants(participation.study.content.definition)},
-       {"answered", answered.steps},
-       {"sequence", answered.sequence}});
+      201, {{"seed", participation.participant.seed},
+            {"definition", definition_for_participants(participation.study.content.definition)},
+            {"answered", answered.steps},
+            {"sequence", answered.sequence}});
 }
 
 std::vector<Route> participant_routes(Participations& participations) {

@@ -102,8 +102,8 @@ std::string Participations::secret_hash(const std::string& text) const {
 Outcome<void> Participations::check_address(const std::string& key, const Client& client) {
   constexpr std::chrono::minutes kWindow{15};
   // The time of joining is not stored more precisely than the window.
-  const Time window = std::chrono::floor<std::chrono::duration<int, std::ratio<900>>>(
-      parts_.clock.wall());
+  const Time window =
+      std::chrono::floor<std::chrono::duration<int, std::ratio<900>>>(parts_.clock.wall());
   const std::string once = secret_hash("key\n" + key);
   const auto counted = parts_.accounts.note_attempt({{once, 1, kWindow}}, window);
   if (!counted) return refuse(counted.error());
@@ -145,7 +145,7 @@ Outcome<Participations::Joined> Participations::join(const std::string& token,
   const auto known = parts_.store.find(hash_of(key), now);
   if (!known && known.error().code != ErrorCode::kNotFound) return refuse(known.error());
   const auto invited = invitation(token);
-  // Somebody who joined with an earlier link goes on.
+  // Somebody who joined with an earlier link continues.
   if (known && !invited && invited.error().kind == ProblemKind::kNotFound &&
       !known->participant.preview) {
     return add(known->study.id, known->participant, std::nullopt);
@@ -214,8 +214,8 @@ Outcome<StudyPicture> Participations::picture(const std::string& key,
 Outcome<void> Participations::check_render_time(const Participation& participation, bool known) {
   Principal researcher;
   researcher.user_id = participation.study.owner_id;
-  auto allowed = known ? parts_.render_time.may_go_on(researcher)
-                       : parts_.render_time.may_open(researcher);
+  auto allowed =
+      known ? parts_.render_time.may_go_on(researcher) : parts_.render_time.may_open(researcher);
   // The researcher's account is none of the participant's business.
   if (!allowed && allowed.error().kind == ProblemKind::kRenderTimeSpent) {
     return refuse(ProblemKind::kBusy,
@@ -233,8 +233,7 @@ Outcome<void> Participations::replace_session(const Participant& participant,
   if (!earlier.empty() && earlier != session) {
     if (const auto ended = parts_.placement.end(earlier); !ended) return refuse(ended.error());
   }
-  const auto noted =
-      parts_.store.note_session(participant.key_hash, earlier, session, expires_at);
+  const auto noted = parts_.store.note_session(participant.key_hash, earlier, session, expires_at);
   if (!noted && noted.error().code == ErrorCode::kNotFound) return participation_ended();
   if (!noted && noted.error().code == ErrorCode::kConflict) return another_view();
   if (!noted) return refuse(noted.error());

@@ -132,8 +132,8 @@ Outcome<Study> Studies::find(const Principal& who, const std::string& id) {
 Outcome<Study> Studies::replace(const Principal& who, const std::string& id, int version,
                                 const StudyContent& content) {
   DIAPHANE_TRY(find(who, id));
-  const auto sessions = store_.replace(
-      who.user_id, id, version, pictures_in(json::parse(content.definition)), content);
+  const auto sessions = store_.replace(who.user_id, id, version,
+                                       pictures_in(json::parse(content.definition)), content);
   if (!sessions) return study_problem(sessions.error());
   end(*sessions);
   return find(who, id);

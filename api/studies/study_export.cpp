@@ -76,8 +76,8 @@ std::string quoted(const std::string& text) {
 std::string csv_text(const std::string& text) {
   constexpr std::array<std::string_view, 11> kFormulas{"=",  "+",  "-",  "@",  "\t", "\r",
                                                        "\n", "＝", "＋", "－", "＠"};
-  const bool formula = std::ranges::any_of(
-      kFormulas, [&](std::string_view one) { return text.starts_with(one); });
+  const bool formula =
+      std::ranges::any_of(kFormulas, [&](std::string_view one) { return text.starts_with(one); });
   return quoted(formula ? "'" + text : text);
 }
 
@@ -197,7 +197,8 @@ Result<std::string> StudyExports::write_zip(const Study& study) {
   DIAPHANE_TRY(name);
   DIAPHANE_TRY(table);
   std::ofstream out(path_of(*table), std::ios::binary);
-  out << kByteOrderMark << "participant,language,seed,day,state,step,kind,field,value,duration_ms\r\n";
+  out << kByteOrderMark
+      << "participant,language,seed,day,state,step,kind,field,value,duration_ms\r\n";
   for (const Participant& one : *participants) {
     const auto answers = sorted_answers(store_, one, steps);
     DIAPHANE_TRY(answers);

@@ -160,11 +160,13 @@ Result<StudyStore::SessionIds> StudyRepository::set_state(const std::string& own
       return fail(ErrorCode::kConflict, "This study is a draft. Only an open study can be closed.");
     }
     if (opens && row[0]["version"].as<int>() != version) {
-      return fail(ErrorCode::kConflict, "Someone has changed this study in the meantime. Try again.");
+      return fail(ErrorCode::kConflict,
+                  "Someone has changed this study in the meantime. Try again.");
     }
     // Waits for an administrator who is withdrawing the role.
     const auto role = transaction.exec_params(
-        "SELECT 1 FROM users WHERE id = $1::uuid AND is_researcher AND disabled_at IS NULL FOR SHARE",
+        "SELECT 1 FROM users WHERE id = $1::uuid AND is_researcher AND disabled_at IS NULL FOR "
+        "SHARE",
         owner_id);
     if (role.empty()) return no_study();
     transaction.exec_params0(

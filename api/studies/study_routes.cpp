@@ -161,7 +161,12 @@ std::vector<Route> comfort_routes(Studies& studies) {
                                                             : ordered_json::parse(*comfort)}});
   };
   return {
-      {"POST", "/v1/studies/{study_id}/adoption", "adoptStudyResults", Access::kAdministrator, adopt, {}},
+      {"POST",
+       "/v1/studies/{study_id}/adoption",
+       "adoptStudyResults",
+       Access::kAdministrator,
+       adopt,
+       {}},
       {"DELETE", "/v1/perception/comfort", "resetComfort", Access::kAdministrator, reset, {}},
       {"GET", "/v1/perception", "getPerception", Access::kAnyone, get, {}},
   };

@@ -34,7 +34,7 @@ class StudyStore {
   /// Deletes previews, and pictures that are not in `pictures`.
   virtual Result<SessionIds> replace(const std::string& owner_id, const std::string& id,
                                      int version, const std::set<std::string>& pictures,
-                               const StudyContent& content) = 0;
+                                     const StudyContent& content) = 0;
   virtual Result<SessionIds> remove(const std::string& owner_id, const std::string& id,
                                     Time now) = 0;
   /// Opens or closes the study. Returns kConflict if a study to be opened no longer has `version`
@@ -92,9 +92,9 @@ class ParticipantStore {
   };
   virtual Result<Invitation> invitation(const std::string& token_hash, Time now) = 0;
   /// Adds a participant to the study. Returns the existing one for a known key, kConflict if the
-  /// key belongs to another study (field "key"), its participant withdrew (field "withdrawn") or the
-  /// study is not open, or kTooMany if all places are taken. Checks neither openness nor places for
-  /// a preview, and deletes the oldest preview if there are kMostPreviews.
+  /// key belongs to another study (field "key"), its participant withdrew (field "withdrawn") or
+  /// the study is not open, or kTooMany if all places are taken. Checks neither openness nor places
+  /// for a preview, and deletes the oldest preview if there are kMostPreviews.
   virtual Result<Participation> join(const std::string& study_id, const Participant& participant,
                                      const std::optional<Time>& preview_until, Time now) = 0;
   virtual Result<Participation> find(const std::string& key_hash, Time now) = 0;
@@ -115,8 +115,7 @@ class ParticipantStore {
   virtual Result<std::string> withdraw(const std::string& key_hash) = 0;
   /// Replaces the session `earlier`. Returns kConflict if the participant has another one by now.
   virtual Result<void> note_session(const std::string& key_hash, const std::string& earlier,
-                                    const std::string& session_id,
-                                    Time expires_at) = 0;
+                                    const std::string& session_id, Time expires_at) = 0;
 };
 
 }  // namespace diaphane::api
