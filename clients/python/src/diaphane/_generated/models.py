@@ -695,6 +695,10 @@ class JoinedStudy(TypedDict):
     """
     IDs of the answered steps.
     """
+    sequence: int
+    """
+    The highest sequence of the stored answers. The next one must be higher.
+    """
 
 
 class Study1(TypedDict):
