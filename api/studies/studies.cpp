@@ -39,10 +39,10 @@ json member(const json& of, const char* name) {
   return of.is_object() ? of.value(name, json()) : json();
 }
 
-/// Whether this is a difference between two RGB colours.
+/// Whether this is a difference between two RGB colours, of 255 as in the analysis and the page.
 bool is_difference(const json& value) {
   return value.is_array() && value.size() == 3 && std::ranges::all_of(value, [](const json& one) {
-           return one.is_number() && std::abs(one.get<double>()) <= 1;
+           return one.is_number() && std::abs(one.get<double>()) <= 255;
          });
 }
 

@@ -7,7 +7,8 @@ from analysis_double import AnalysisDouble
 from api_client import client, person, problem
 from study_helpers import BOTH, definition, joined, opened, researcher
 
-COMFORT = {"bone": [0.1, -0.2, 0.3], "blood": [0.0, 0.5, -0.5]}
+#: Of 255, as the analysis and the page count (thesis, Table 1).
+COMFORT = {"bone": [-30.0, 7.0, 6.0], "blood": [34.0, 21.0, 32.0]}
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +56,8 @@ def test_an_administrator_adopts_the_comfort_of_a_study_and_undoes_it(stack, lab
     joined(stack, token)
     boss = person(stack).becomes_administrator()
     path = f"/v1/studies/{study}/adoption"
-    for analysis.answer in ({"adoptable": {"comfort": None}}, b"no JSON", {"adoptable": {"comfort": {"bone": [1, 2], "blood": [1, 2, 3]}}}, []):
+    for analysis.answer in ({"adoptable": {"comfort": None}}, b"no JSON", {"adoptable": {"comfort": {"bone": [1, 2], "blood": [1, 2, 3]}}},
+                            {"adoptable": {"comfort": {**COMFORT, "bone": [256, 7, 6]}}}, []):
         problem(boss.http.post(path, json={"comfort": True}), 409, "conflict")
     found(analysis, COMFORT)
     assert boss.http.post(path, json={"comfort": False}).status_code == 422
