@@ -1,20 +1,17 @@
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { after } from "../../live/paced";
 import { cameraOf, sceneFromJson } from "../../protocol/messages";
 import { tab } from "../../storage";
-import { textIn, type Answer, type LatencyStep, type Trial } from "../../studies/definition";
+import type { Answer, LatencyStep, Trial } from "../../studies/definition";
 import { DelayLine } from "../../studies/delay_line";
 import { trialsKey, type Participation } from "../../studies/participation";
-import { fromRandomView, studyPlace } from "../../studies/place";
+import { fromRandomView } from "../../studies/place";
 import { randomNumbers, shuffled } from "../../studies/random";
 import { facingError, vectorOf } from "../../studies/views";
-import { language, t } from "../../texts";
-import type { ViewerSession } from "../../video/viewer_session";
-import { useApp } from "../state";
+import { t } from "../../texts";
 import { Scale } from "./answer_forms";
 import { LivePicture } from "./live_picture";
-import { RegionName } from "./live_step";
-import { Paragraphs } from "./study_frame";
+import { StepIntro, useStepPicture } from "./live_step";
 
 export interface LatencyTaskProps {
   readonly step: LatencyStep;
@@ -33,10 +30,7 @@ export function LatencyTask({ step, participation, done }: LatencyTaskProps) {
   const { number, delays, phase } = task;
   return (
     <div class="study-live">
-      <section class="study-intro">
-        <Paragraphs {...textIn(step.text, language.value)} />
-        <RegionName step={step} />
-      </section>
+      <StepIntro step={step} />
       <LivePicture
         key={task.again.count}
         place={task.place}
@@ -44,7 +38,7 @@ export function LatencyTask({ step, participation, done }: LatencyTaskProps) {
         resets={false}
         covered={phase !== "turning"}
         onSession={task.setSession}
-        onRecording={participation.record ? (one) => participation.queue.record(step.id, one) : undefined}
+        onRecording={task.onRecording}
         onAgain={task.again.begin}
       />
       <section class="study-panel">
@@ -77,8 +71,9 @@ function useTrials(step: LatencyStep, participation: Participation, done: (value
   const [trials, setTrials] = useState<readonly Trial[]>(() => keptTrials(tab.getItem(kept)));
   const [phase, setPhase] = useState<Phase>("waiting");
   const [measured, setMeasured] = useState<Measured | null>(null);
-  const picture = useDelayedPicture(step, participation);
-  const { session, delay } = picture;
+  const [delay] = useState(() => new DelayLine({ nowMs: () => performance.now(), after }));
+  const picture = useStepPicture(step, participation, delay);
+  const { session } = picture;
   const number = trials.length;
   const firstInput = useRef(0);
   const begunMs = useRef(0);
@@ -122,20 +117,6 @@ function useTrials(step: LatencyStep, participation: Participation, done: (value
   };
   const ready = session?.pictures.picture.value != null;
   return { ...picture, delays, number: Math.min(number, delays.length - 1), phase, begin, measure, rate, ready };
-}
-
-/** The picture of the step, whose stream is delayed. */
-function useDelayedPicture(step: LatencyStep, participation: Participation) {
-  const { api } = useApp();
-  const [count, setCount] = useState(0);
-  const [session, setSession] = useState<ViewerSession | null>(null);
-  const [delay] = useState(() => new DelayLine({ nowMs: () => performance.now(), after }));
-  const place = useMemo(
-    () => studyPlace(api, participation, step, delay),
-    // eslint-disable-next-line react-hooks/exhaustive-deps -- another count begins a new session
-    [api, participation, step, delay, count],
-  );
-  return { place, session, setSession, delay, again: { count, begin: () => setCount(count + 1) } };
 }
 
 function keptTrials(text: string | null): readonly Trial[] {

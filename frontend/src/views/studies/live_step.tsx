@@ -12,6 +12,7 @@ import {
   type ViewpointStep,
   type ViewStep,
 } from "../../studies/definition";
+import type { DelayLine } from "../../studies/delay_line";
 import { shownMaterials, withMaterialColour } from "../../studies/materials";
 import type { Participation } from "../../studies/participation";
 import { studyPlace } from "../../studies/place";
@@ -38,10 +39,7 @@ export function LiveStep({ step, participation, done }: LiveStepProps) {
   const turns = step.kind === "viewpoint" || (step.view?.may_change.includes("camera") ?? false);
   return (
     <div class="study-live">
-      <section class="study-intro">
-        <Paragraphs {...textIn(step.text, language.value)} />
-        <RegionName step={step} />
-      </section>
+      <StepIntro step={step} />
       <LivePicture
         key={again.count}
         place={place}
@@ -59,15 +57,18 @@ export function LiveStep({ step, participation, done }: LiveStepProps) {
   );
 }
 
-/** The picture of a step. `again` begins with a new session after an interruption. */
-export function useStepPicture(step: ViewStep, participation: Participation) {
+/**
+ * The picture of a step, whose stream `delay` holds back if it is not null. `again` begins with a new session after an
+ * interruption.
+ */
+export function useStepPicture(step: ViewStep, participation: Participation, delay: DelayLine | null = null) {
   const { api } = useApp();
   const [count, setCount] = useState(0);
   const [session, setSession] = useState<ViewerSession | null>(null);
   const place = useMemo(
-    () => studyPlace(api, participation, step, null),
+    () => studyPlace(api, participation, step, delay),
     // eslint-disable-next-line react-hooks/exhaustive-deps -- another count begins a new session
-    [api, participation, step, count],
+    [api, participation, step, delay, count],
   );
   const onRecording = participation.record
     ? (recording: object) => participation.queue.record(step.id, recording)
@@ -75,13 +76,18 @@ export function useStepPicture(step: ViewStep, participation: Participation) {
   return { place, again: { count, begin: () => setCount(count + 1) }, session, setSession, onRecording };
 }
 
-export function RegionName({ step }: { readonly step: ViewStep }) {
+/** What a step asks for, and which part of the scan it is about. */
+export function StepIntro({ step }: { readonly step: ViewStep }) {
   const name = step.view?.region ? textIn(step.view.region.name, language.value) : null;
-  if (!name?.text) return null;
   return (
-    <p class="study-part" lang={name.lang}>
-      {t.takePart.part(name.text)}
-    </p>
+    <section class="study-intro">
+      <Paragraphs {...textIn(step.text, language.value)} />
+      {name?.text ? (
+        <p class="study-part" lang={name.lang}>
+          {t.takePart.part(name.text)}
+        </p>
+      ) : null}
+    </section>
   );
 }
 
