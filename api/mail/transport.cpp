@@ -4,13 +4,14 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
 
 #include "api/accounts/password.h"
+#include "api/shared/time.h"
 #include "common/ids.h"
 
 namespace diaphane::api {
@@ -47,12 +48,7 @@ std::string header_text(const std::string& text) {
 }
 
 std::string rfc5322_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[64];
-  const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S +0000", &utc);
-  return std::string(text, size);
+  return utc_text(std::chrono::system_clock::now(), "%a, %d %b %Y %H:%M:%S +0000");
 }
 
 /// Returns the address in a mailbox of the form "Name <address>" or "address".

@@ -1,30 +1,16 @@
 #include "api/routing/representations.h"
 
-#include <ctime>
-
 namespace diaphane::api {
-namespace {
-
-std::string format(Time time, const char* form) {
-  const std::time_t seconds =
-      std::chrono::system_clock::to_time_t(std::chrono::floor<std::chrono::seconds>(time));
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[64];
-  return std::string(text, std::strftime(text, sizeof text, form, &utc));
-}
-
-}  // namespace
 
 std::string rfc3339(Time time) {
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(
                       time - std::chrono::floor<std::chrono::seconds>(time))
                       .count();
   const std::string digits = std::to_string(1000 + ms);
-  return format(time, "%Y-%m-%dT%H:%M:%S") + "." + digits.substr(1) + "Z";
+  return utc_text(time, "%Y-%m-%dT%H:%M:%S") + "." + digits.substr(1) + "Z";
 }
 
-std::string http_date(Time time) { return format(time, "%a, %d %b %Y %H:%M:%S GMT"); }
+std::string http_date(Time time) { return utc_text(time, "%a, %d %b %Y %H:%M:%S GMT"); }
 
 Response json_response(int status, const nlohmann::ordered_json& body) {
   Response response;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "api/shared/secrets.h"
@@ -49,14 +48,6 @@ std::int64_t new_seed() {
   return static_cast<std::int64_t>(seed % static_cast<std::uint64_t>(kSeeds));
 }
 
-std::string day_of(Time time) {
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[16];
-  return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%d", &utc));
-}
-
 Participant new_participant(const std::string& key, const std::string& language, bool record,
                             Time now) {
   Participant participant;
@@ -64,7 +55,7 @@ Participant new_participant(const std::string& key, const std::string& language,
   participant.key_hash = hash_of(key);
   participant.language = language;
   participant.seed = new_seed();
-  participant.day = day_of(now);
+  participant.day = utc_text(now, "%Y-%m-%d");
   participant.recorded = record;
   return participant;
 }

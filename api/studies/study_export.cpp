@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -24,11 +23,7 @@ constexpr const char* kByteOrderMark = "\xef\xbb\xbf";
 
 ordered_json time_text(const std::optional<Time>& time) {
   if (!time) return nullptr;
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(*time);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[32];
-  return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc));
+  return utc_text(*time, "%Y-%m-%dT%H:%M:%SZ");
 }
 
 /// The steps of a definition by ID: their kind and their place in the definition.
