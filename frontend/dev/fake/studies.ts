@@ -92,7 +92,8 @@ function answerPicture(
 function join(study: FakeStudy, key: string, language: StudyLanguage): JoinedStudy {
   const known = study.participants.get(key) ?? { seed: 7, language, answers: new Map<string, unknown>() };
   study.participants.set(key, known);
-  return { seed: known.seed, definition: study.definition, answered: [...known.answers.keys()] };
+  const answered = [...known.answers.keys()];
+  return { seed: known.seed, definition: study.definition, answered, sequence: answered.length };
 }
 
 /** Answers the requests of a participant: /v1/study. `visit` opens a session that begins with a scene. */

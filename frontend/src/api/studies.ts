@@ -74,6 +74,8 @@ export interface JoinedStudy {
   readonly definition: Definition;
   /** The IDs of the steps that the server has answers to. */
   readonly answered: readonly string[];
+  /** The highest sequence of these answers. */
+  readonly sequence: number;
 }
 
 const read = async <T>(response: Promise<Response>): Promise<T> => (await (await response).json()) as T;

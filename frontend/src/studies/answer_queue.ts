@@ -72,6 +72,11 @@ export class AnswerQueue {
     }
   }
 
+  /** Continues after the answers that the server has, should this tab have lost its count. */
+  continueAfter(sequence: number): void {
+    this.sequence = Math.max(this.sequence, sequence);
+  }
+
   answer(step: string, value: Answer, durationMs: number): void {
     this.sequence += 1;
     this.add({ kind: "answer", step, value, duration_ms: Math.round(durationMs), sequence: this.sequence });

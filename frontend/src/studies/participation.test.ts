@@ -28,15 +28,27 @@ function store() {
 
 function begin(answered: readonly string[], here = store(), fail: ApiProblem | null = null) {
   const calls: string[] = [];
+  const sequences: number[] = [];
   const call = (name: string) => (_key: string, what?: string) => {
     calls.push([name, what].filter(Boolean).join(" "));
     return fail ? Promise.reject(fail) : Promise.resolve();
   };
-  const api = { answer: call("answer"), record: call("record"), finish: call("finish"), withdraw: call("withdraw") };
-  const joined = { seed: 1, definition, answered };
+  const answer = (of: string, what: string, _value: unknown, _ms: number, sequence: number) => {
+    sequences.push(sequence);
+    return call("answer")(of, what);
+  };
+  const api = { answer, record: call("record"), finish: call("finish"), withdraw: call("withdraw") };
+  const joined = { seed: 1, definition, answered, sequence: answered.length };
   const participation = new Participation(api, key, joined, false, here, () => () => undefined);
-  return { participation, calls };
+  return { participation, calls, sequences };
 }
+
+it("continues after the answers of the server, should the tab have lost its count", async () => {
+  const { participation, sequences } = begin(["a", "b"]);
+  participation.answer(step("c"), {}, 5);
+  await participation.queue.whenEmpty();
+  expect(sequences).toEqual([3]);
+});
 
 it("begins after the consent, at the first step without an answer", () => {
   const { participation } = begin(["a"]);

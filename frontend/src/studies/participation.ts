@@ -61,6 +61,7 @@ export class Participation {
   ) {
     this.steps = orderedSteps(joined.definition.steps, joined.seed).filter(({ kind }) => kind !== "consent");
     this.queue = queueOf(api, key, store, after);
+    this.queue.continueAfter(joined.sequence);
     const pending = this.queue.pending.value.flatMap((one) => (one.kind === "answer" ? [one.step] : []));
     this.done.value = new Set([...joined.answered, ...pending]);
   }

@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import { after } from "../../live/paced";
 import { hasView, textIn, type Answer, type Step } from "../../studies/definition";
-import { failureOf, type Ending, type Participation } from "../../studies/participation";
+import type { Ending, Participation } from "../../studies/participation";
+import { patiently } from "../../studies/patiently";
 import { language, t } from "../../texts";
 import { Dialog } from "../dialog";
 import { Notice, PageTitle } from "../shell";
@@ -72,31 +72,18 @@ function useQueue(participation: Participation, end: (ending: Ending) => void): 
   }, [over]);
   useEffect(() => {
     if (!isLast) return;
-    let here = true;
-    let stopTimer: () => void = () => undefined;
-    const finish = async (): Promise<void> => {
-      try {
-        await participation.finish();
-        if (here && queue.over.value === null) end("finished");
-      } catch (thrown) {
-        if (!here || participation.endIfOver(thrown)) return;
-        if (failureOf(thrown).kind === "refused") end("finished");
-        else {
-          queue.waiting.value = true;
-          stopTimer = after(finishedAgainMs, () => void finish());
-        }
-      }
-    };
-    void finish();
-    return () => {
-      here = false;
-      stopTimer();
-    };
+    return patiently(() => participation.finish(), {
+      done: () => {
+        if (queue.over.value === null) end("finished");
+      },
+      refused: (thrown) => {
+        if (!participation.endIfOver(thrown)) end("finished");
+      },
+      waiting: () => (queue.waiting.value = true),
+    });
     // eslint-disable-next-line react-hooks/exhaustive-deps -- `end` is new in each render
   }, [isLast, participation]);
 }
-
-const finishedAgainMs = 3000;
 
 interface ProgressProps {
   readonly participation: Participation;

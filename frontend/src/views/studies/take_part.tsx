@@ -5,6 +5,7 @@ import type { JoinedStudy, StudyInvitation } from "../../api/studies";
 import { after } from "../../live/paced";
 import { tab } from "../../storage";
 import { keepParticipant, keptParticipant, Participation, queueOf, type Ending } from "../../studies/participation";
+import { patiently } from "../../studies/patiently";
 import { language, t } from "../../texts";
 import { problemText } from "../../texts/problem_text";
 import { Loading } from "../loading";
@@ -14,8 +15,6 @@ import { EndPage } from "./end_page";
 import { InvitationForm } from "./invitation";
 import { StudyMessage } from "./study_frame";
 import { StudySteps } from "./study_steps";
-
-const triedAgainMs = 3000;
 
 /** The page of a participant: the invitation, the steps and the end. It needs no account. */
 export function TakePartByLink({ token }: { readonly token: string }) {
@@ -54,31 +53,17 @@ function useInvitation(token: string, wanted: boolean) {
   const [gone, setGone] = useState(false);
   useEffect(() => {
     if (!wanted) return;
-    let stopTimer: () => void = () => undefined;
-    let here = true;
-    const load = async (): Promise<void> => {
-      try {
-        const invitation = await api.studies.invitation(token);
-        if (here) setFound(invitation);
-      } catch (thrown) {
-        if (!here) return;
-        const final = isFinal(thrown);
-        setGone(final);
-        setFault(final ? goneText(thrown) : t.takePart.joining);
-        if (!final) stopTimer = after(triedAgainMs, () => void load());
-      }
-    };
-    void load();
-    return () => {
-      here = false;
-      stopTimer();
-    };
+    return patiently(() => api.studies.invitation(token), {
+      done: setFound,
+      refused: (thrown) => {
+        setGone(true);
+        setFault(goneText(thrown));
+      },
+      waiting: () => setFault(t.takePart.joining),
+    });
   }, [api, token, wanted]);
   return { found, fault, gone };
 }
-
-const isFinal = (thrown: unknown): boolean =>
-  thrown instanceof ApiProblem && thrown.status >= 400 && thrown.status < 500 && ![408, 429].includes(thrown.status);
 
 function goneText(thrown: unknown): string {
   if (!(thrown instanceof ApiProblem) || thrown.status !== 410) return t.takePart.gone;
@@ -94,30 +79,20 @@ function useJoining(token: string) {
   const continues = kept !== null && kept.ended === null && joined === null;
   useEffect(() => {
     if (!continues) return;
-    let stopTimer: () => void = () => undefined;
-    let here = true;
-    const load = async (): Promise<void> => {
-      try {
-        const again = await api.studies.join(token, kept.key, language.value, kept.record);
-        if (here) setJoined(again);
-      } catch (thrown) {
-        if (!here) return;
-        if (isFinal(thrown)) {
-          // The link has ended, but the key may still be known.
-          const queue = queueOf(api.studies, kept.key, tab, after);
-          stopTimer = () => queue.stop();
-          await queue.whenEmpty();
-          end(isGone(thrown) ? "gone" : (queue.over.value ?? "over"));
-          return;
-        }
-        setFault(t.takePart.joining);
-        stopTimer = after(triedAgainMs, () => void load());
-      }
-    };
-    void load();
+    let stopQueue: () => void = () => undefined;
+    const stop = patiently(() => api.studies.join(token, kept.key, language.value, kept.record), {
+      done: setJoined,
+      refused: (thrown) => {
+        // The link has ended, but the key may still be known.
+        const queue = queueOf(api.studies, kept.key, tab, after);
+        stopQueue = () => queue.stop();
+        void queue.whenEmpty().then(() => end(isGone(thrown) ? "gone" : (queue.over.value ?? "over")));
+      },
+      waiting: () => setFault(t.takePart.joining),
+    });
     return () => {
-      here = false;
-      stopTimer();
+      stop();
+      stopQueue();
     };
     // eslint-disable-next-line react-hooks/exhaustive-deps -- `end` is new in each render
   }, [api, token, continues, kept]);
