@@ -56,6 +56,7 @@ def test_the_picture_on_the_screen_is_saved_at_once(fake, visit, pictures: Path)
     page.route("**/v1/sessions", lambda route: route.abort())  # nothing is rendered again
     page.get_by_role("button", name="Save or share").click()
     dialog = page.get_by_role("dialog", name="Save or share")
+    expect(dialog.get_by_role("button", name="Create the file")).to_be_visible()  # the whole dialog has loaded
     expect(dialog.locator(".button-main")).to_have_count(1)
     with page.expect_download() as download:
         dialog.get_by_role("button", name="Save the picture").click()

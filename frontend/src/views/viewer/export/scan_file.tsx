@@ -69,7 +69,7 @@ function Ready({ made, dataSetId, busy, remove }: ReadyProps) {
         {t.myAccount.exportUntil(dateText(made.expires_at))}
       </p>
       <p class="buttons">
-        <a class="button button-main" href={scanExportPath(dataSetId)} download>
+        <a class="button" href={scanExportPath(dataSetId)} download>
           {text.get}
         </a>
         <button type="button" class="button" disabled={busy} onClick={remove}>
@@ -118,7 +118,7 @@ function OrderForm({ session, volume, busy, request }: OrderFormProps) {
         <Part session={session} volume={volume} entries={entries} fault={fault} set={set} />
       )}
       <p>
-        <button type="submit" class="button button-main" disabled={busy}>
+        <button type="submit" class="button" disabled={busy}>
           {text.create}
         </button>
       </p>
