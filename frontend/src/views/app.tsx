@@ -92,6 +92,8 @@ function openPage(at: Route, me: Me | null): JSX.Element | null {
       return <SharedSample key={at.dataSetId} dataSetId={at.dataSetId} />;
     case "not_found":
       return framed(<NotFound />);
+    case "incomplete_link":
+      return framed(<NotFound title={t.titles.incompleteLink} text={t.incompleteLink} />);
     default:
       return null;
   }
@@ -158,11 +160,11 @@ function Unreachable() {
   );
 }
 
-function NotFound() {
+function NotFound({ title = t.titles.notFound, text = t.notFound }: { title?: string; text?: string }) {
   return (
     <div class="page page-narrow">
-      <PageTitle text={t.titles.notFound} />
-      <p>{t.notFound}</p>
+      <PageTitle text={title} />
+      <p>{text}</p>
       <p>
         <Link href="/" class="button">
           {t.toStart}

@@ -60,11 +60,13 @@ function MoreSamples({ samples }: { readonly samples: readonly DataSet[] }) {
 }
 
 function MoreSample({ sample }: { readonly sample: DataSet }) {
-  const { url } = useThumbnail(sample.id, lookOf(sample), true);
+  const { url, missing } = useThumbnail(sample.id, lookOf(sample), true);
   return (
     <li>
       <Link href={`/sample/${sample.id}`} class="home-sample">
-        <span class="home-sample-picture">{url ? <img src={url} alt="" width={320} height={320} /> : null}</span>
+        <span class={`home-sample-picture${url || missing ? "" : " card-working"}`}>
+          {url ? <img src={url} alt="" width={320} height={320} /> : null}
+        </span>
         <span>
           {titleOf(sample)} <KindChip set={sample} />
         </span>

@@ -24,7 +24,7 @@ export function Reports() {
   useFocusKept(reports?.length);
   return (
     <div class="page">
-      <PageTitle text={text.title} />
+      <PageTitle text={t.titles.admin} />
       {app.me.value?.administrator ? <AdminTabs at="reports" openReports={reports?.length ?? null} /> : null}
       <p class="muted">{text.lead}</p>
       {fault ? <Notice kind="bad">{fault}</Notice> : null}

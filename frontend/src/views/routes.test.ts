@@ -5,7 +5,8 @@ test("an unknown path is not a page, whatever it begins with", () => {
   expect(routeOf("/nothing", "")).toEqual({ page: "not_found" });
   expect(routeOf("/constructor", "")).toEqual({ page: "not_found" });
   expect(routeOf("/view/../../etc", "")).toEqual({ page: "not_found" });
-  expect(routeOf("/join", "#short")).toEqual({ page: "not_found" });
+  for (const link of ["/join", "/shared", "/study"])
+    expect(routeOf(link, "#short")).toEqual({ page: "incomplete_link" });
 });
 
 test("a secret is read from the fragment, and an ID from the path", () => {
@@ -42,5 +43,5 @@ test("a study has a page for researchers and others for participants", () => {
   expect(routeOf("/studies/nothing", "")).toEqual({ page: "not_found" });
   expect(routeOf("/study", `#${secret}`)).toEqual({ page: "take_part", token: secret });
   expect(routeOf("/study", `#withdraw:${secret}`)).toEqual({ page: "withdraw", key: secret });
-  expect(routeOf("/study", "#withdraw:short")).toEqual({ page: "not_found" });
+  expect(routeOf("/study", "#withdraw:short")).toEqual({ page: "incomplete_link" });
 });

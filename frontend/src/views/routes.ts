@@ -5,7 +5,18 @@ import { templates } from "../studies/definition";
 export type Route =
   | {
       readonly page:
-        "home" | "scans" | "add" | "sign_in" | "sign_up" | "forgot" | "account" | "gallery" | "reports" | "not_found";
+        | "home"
+        | "scans"
+        | "add"
+        | "sign_in"
+        | "sign_up"
+        | "forgot"
+        | "account"
+        | "gallery"
+        | "reports"
+        | "not_found"
+        /** A link whose secret is missing or was cut off. */
+        | "incomplete_link";
     }
   | { readonly page: "admin"; readonly part: AdminPart }
   | { readonly page: "legal"; readonly legal: LegalPage }
@@ -59,8 +70,8 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
     const part = adminParts.find((one) => one === (second || "users"));
     return part ? { page: "admin", part } : null;
   },
-  join: ({ hash }) => (secret.test(hash) ? { page: "join", token: hash } : null),
-  shared: ({ hash }) => (secret.test(hash) ? { page: "shared", token: hash } : null),
+  join: ({ hash }) => (secret.test(hash) ? { page: "join", token: hash } : { page: "incomplete_link" }),
+  shared: ({ hash }) => (secret.test(hash) ? { page: "shared", token: hash } : { page: "incomplete_link" }),
   sample: ({ second }) => (id.test(second) ? { page: "sample", dataSetId: second } : null),
   gallery: () => ({ page: "gallery" }),
   privacy: () => ({ page: "legal", legal: "privacy" }),
@@ -78,7 +89,7 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   study: ({ hash }) => {
     if (secret.test(hash)) return { page: "take_part", token: hash };
     const key = hash.startsWith(withdrawal) ? hash.slice(withdrawal.length) : "";
-    return secret.test(key) ? { page: "withdraw", key } : null;
+    return secret.test(key) ? { page: "withdraw", key } : { page: "incomplete_link" };
   },
   view: ({ second }) => (id.test(second) ? { page: "view", dataSetId: second } : null),
 };

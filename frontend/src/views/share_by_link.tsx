@@ -10,9 +10,7 @@ import { Switch } from "./viewer/settings/controls";
 
 /** The links through which people without an account can view a scan. */
 export function ShareByLink({ set }: { readonly set: DataSet }) {
-  const { links, made, busy, outcome, make, end, copy } = useLinks(set.id);
-  const [hours, setHours] = useState("168");
-  const [allowed, setAllowed] = useState<Permissions>({ slices: false, downloads: false });
+  const { links, made, busy, outcome, make, another, end, copy } = useLinks(set.id);
   const text = t.sharing.links;
   return (
     <section class="share-part" aria-label={text.title}>
@@ -20,8 +18,38 @@ export function ShareByLink({ set }: { readonly set: DataSet }) {
       <p class="muted">{text.lead}</p>
       <p class="muted">{text.sees}</p>
       {links.length === 0 ? <p>{text.none}</p> : <LinkList links={links} busy={busy} end={end} />}
-      {made ? <CopyField value={made} label={text.newLink} button={text.copy} onCopy={copy} /> : null}
-      {outcome}
+      {made ? (
+        <>
+          <CopyField value={made} label={text.newLink} button={text.copy} onCopy={copy} />
+          {outcome}
+          <p>
+            <button type="button" class="button" onClick={another}>
+              {text.another}
+            </button>
+          </p>
+        </>
+      ) : (
+        <>
+          {outcome}
+          <NewLink busy={busy} make={make} />
+        </>
+      )}
+    </section>
+  );
+}
+
+interface NewLinkProps {
+  readonly busy: boolean;
+  readonly make: (hours: number, allowed: Permissions) => void;
+}
+
+/** What the next link permits, and for how long. */
+function NewLink({ busy, make }: NewLinkProps) {
+  const [hours, setHours] = useState("168");
+  const [allowed, setAllowed] = useState<Permissions>({ slices: false, downloads: false });
+  const text = t.sharing.links;
+  return (
+    <>
       <Switch label={text.slices} on={allowed.slices} change={(slices) => setAllowed({ ...allowed, slices })} />
       <p class="field-hint">{text.slicesHint}</p>
       <Switch
@@ -37,7 +65,7 @@ export function ShareByLink({ set }: { readonly set: DataSet }) {
           {text.make}
         </button>
       </div>
-    </section>
+    </>
   );
 }
 
@@ -71,7 +99,12 @@ function useLinks(dataSetId: string) {
       });
       return text.copied;
     });
-  return { links, made, busy, outcome, make, end, copy };
+  const another = () =>
+    act(() => {
+      setMade("");
+      return Promise.resolve("");
+    });
+  return { links, made, busy, outcome, make, another, end, copy };
 }
 
 interface LinkListProps {

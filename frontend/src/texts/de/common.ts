@@ -20,5 +20,7 @@ export const common: Pick<Texts, keyof typeof english> = {
   tryAgain: "Erneut versuchen",
   loading: "Wird geladen …",
   notFound: "Diese Seite gibt es nicht. Prüfen Sie die Adresse oder gehen Sie zur Startseite.",
+  incompleteLink:
+    "Ein Teil fehlt. Kopieren Sie den ganzen Link bis zum letzten Zeichen, oder bitten Sie noch einmal darum.",
   toStart: "Zur Startseite",
 };

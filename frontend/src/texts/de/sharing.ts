@@ -74,6 +74,7 @@ export const sharing: Texts["sharing"] = {
     end: "Deaktivieren",
     endOf: (date) => `Den bis ${date} gültigen Link deaktivieren`,
     ended: "Der Link ist deaktiviert. Alle Verbindungen darüber wurden getrennt.",
+    another: "Noch einen Link erstellen",
     newLink: "Ihr neuer Link. Kopieren Sie ihn jetzt, denn er wird nicht noch einmal angezeigt.",
     copy: "Kopieren",
     copied: "Kopiert.",

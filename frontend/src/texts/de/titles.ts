@@ -16,4 +16,5 @@ export const titles: Texts["titles"] = {
   add: "Aufnahme hinzufügen",
   view: "Ansicht",
   notFound: "Seite nicht gefunden",
+  incompleteLink: "Dieser Link ist unvollständig",
 };

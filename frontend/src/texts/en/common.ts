@@ -18,5 +18,6 @@ export const common = {
   tryAgain: "Try again",
   loading: "Loading…",
   notFound: "This page doesn’t exist. Check the address, or go to the start page.",
+  incompleteLink: "Part of it is missing. Copy the whole link, up to its last character, or ask for it again.",
   toStart: "Go to the start page",
 } as const;

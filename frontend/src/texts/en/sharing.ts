@@ -71,6 +71,7 @@ export const sharing = {
     end: "Disable",
     endOf: (date: string) => `Disable the link that is valid until ${date}`,
     ended: "Link disabled. Everyone using it has been disconnected.",
+    another: "Create another link",
     newLink: "Your new link. Copy it now, because it won’t be shown again.",
     copy: "Copy",
     copied: "Copied.",

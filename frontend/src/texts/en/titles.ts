@@ -15,4 +15,5 @@ export const titles = {
   add: "Add a scan",
   view: "Viewer",
   notFound: "Page not found",
+  incompleteLink: "This link is incomplete",
 } as const;
