@@ -53,4 +53,18 @@ inline bool read_all(int fd, void* data, std::size_t bytes) {
   return true;
 }
 
+/// Like read_all(), from `offset`. The current offset stays.
+inline bool read_all_at(int fd, std::size_t offset, void* data, std::size_t bytes) {
+  char* at = static_cast<char*>(data);
+  while (bytes > 0) {
+    const ssize_t done = ::pread(fd, at, bytes, static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return false;
+    at += done;
+    offset += static_cast<std::size_t>(done);
+    bytes -= static_cast<std::size_t>(done);
+  }
+  return true;
+}
+
 }  // namespace diaphane

@@ -14,6 +14,12 @@ namespace {
 
 constexpr std::uint32_t kFormat = 1;
 
+static_assert(static_cast<int>(PhaseKind::kIndex) == v1::VolumePhase::INDEX &&
+              static_cast<int>(PhaseKind::kTime) == v1::VolumePhase::TIME &&
+              static_cast<int>(PhaseKind::kCycle) == v1::VolumePhase::CYCLE &&
+              static_cast<int>(PhaseKind::kEcho) == v1::VolumePhase::ECHO &&
+              static_cast<int>(PhaseKind::kBValue) == v1::VolumePhase::B_VALUE);
+
 double dot(const std::array<double, 9>& m, int a, int b) {
   return m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
 }
@@ -47,6 +53,15 @@ Result<void> check(const Header& header) {
     count *= side;  // three factors below 2^16 fit in 64 bits
   }
   if (count > kMaxVoxels) return fail(ErrorCode::kTooLarge, "more voxels than 2^32", "size");
+  if (header.phases.size() == 1 || header.phases.size() > kMostPhases) {
+    return fail(ErrorCode::kInvalid, "the number of phases must be from 2 to 1000, or 0", "phases");
+  }
+  if (header.total_voxel_count() > kMaxVoxels) {
+    return fail(ErrorCode::kTooLarge, "all phases together have more voxels than 2^32", "phases");
+  }
+  if (!std::ranges::all_of(header.phases, [](const Phase& p) { return std::isfinite(p.value); })) {
+    return fail(ErrorCode::kInvalid, "the value of a phase is not a number", "phases");
+  }
   for (const double s : header.spacing) {
     if (!std::isfinite(s) || s <= 0)
       return fail(ErrorCode::kInvalid, "spacing must be positive", "spacing");
@@ -117,6 +132,11 @@ Result<std::string> to_json(const Header& header) {
     message.set_frame_of_reference(header.frame_of_reference);
   }
   message.set_label_hash(header.label_hash);
+  for (const Phase& phase : header.phases) {
+    v1::VolumePhase* stored = message.add_phases();
+    stored->set_kind(static_cast<v1::VolumePhase::Kind>(phase.kind));
+    stored->set_value(phase.value);
+  }
   std::string text;
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;
@@ -171,6 +191,12 @@ Result<Header> from_json(const std::string& text) {
   }
   header.frame_of_reference = message.frame_of_reference();
   header.label_hash = message.label_hash();
+  for (const v1::VolumePhase& phase : message.phases()) {
+    if (phase.kind() < v1::VolumePhase::Kind_MIN || phase.kind() > v1::VolumePhase::Kind_MAX) {
+      return fail(ErrorCode::kInvalid, "a phase of volume.json has an unknown kind", "phases");
+    }
+    header.phases.push_back({static_cast<PhaseKind>(phase.kind()), phase.value()});
+  }
   DIAPHANE_TRY(check(header));
   return header;
 }

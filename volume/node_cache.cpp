@@ -134,10 +134,11 @@ NodeCache::NodeCache(Options options) : options_(std::move(options)) {
 
 NodeCache::~NodeCache() = default;
 
-Result<Volume> NodeCache::read(const std::string& id) {
+Result<Volume> NodeCache::read(const std::string& id, std::uint32_t phase) {
   const std::string directory = options_.store + "/" + id;
   auto header = read_header(directory);
   DIAPHANE_TRY(header);
+  if (!header->phases.empty() || phase > 0) return volume::read(directory, false, phase);
   const auto seal = Seal::of(header->content_hash);
   if (seal) {
     // Only the voxels are copied to the node, because labels are small.
@@ -203,6 +204,7 @@ bool NodeCache::read_copy(const std::string& name, const Seal& seal, const Heade
 }
 
 bool NodeCache::misses(const Volume& volume) const {
+  if (!volume.header.phases.empty()) return false;
   const auto seal = Seal::of(volume.header.content_hash);
   return seal && !volume.id.empty() && access(path(name_of(volume.id, *seal)).c_str(), F_OK) != 0;
 }

@@ -64,8 +64,9 @@ class NodeCache {
   NodeCache(const NodeCache&) = delete;
   NodeCache& operator=(const NodeCache&) = delete;
 
-  /// Reads the volume `id`, like volume::read() does from the store.
-  Result<Volume> read(const std::string& id);
+  /// Reads one phase of the volume `id`, like volume::read() does from the store. Copies are kept
+  /// only of scans without phases, because a checksum exists only for all phases together.
+  Result<Volume> read(const std::string& id, std::uint32_t phase = 0);
 
   /// Copies a volume that read() returned, in a background thread, unless the copy exists.
   void keep(Volume volume);

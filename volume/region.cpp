@@ -220,15 +220,18 @@ Result<Volume> cut_volume(const Volume& volume, const Region& region) {
   DIAPHANE_TRY(cut);
   Volume left;
   left.header = after(volume.header, *cut);
-  left.voxels.resize(left.header.voxel_count());
+  const std::size_t phases = volume.voxels.size() / volume.header.voxel_count();
+  left.voxels.resize(phases * left.header.voxel_count());
   const std::size_t old_slice = std::size_t{volume.header.size[0]} * volume.header.size[1];
   const std::size_t new_slice = std::size_t{cut->size[0]} * cut->size[1];
   const std::span<const std::int16_t> from(volume.voxels);
   const std::span<std::int16_t> to(left.voxels);
-  for (std::uint32_t z = 0; z < cut->size[2]; ++z) {
-    cut_slice(volume.header, region, *cut, z,
-              from.subspan((cut->low[2] + z) * old_slice, old_slice),
-              to.subspan(z * new_slice, new_slice));
+  for (std::size_t k = 0; k < phases * cut->size[2]; ++k) {
+    const std::size_t phase = k / cut->size[2];
+    const auto z = static_cast<std::uint32_t>(k % cut->size[2]);
+    const std::size_t slice = phase * volume.header.size[2] + cut->low[2] + z;
+    cut_slice(volume.header, region, *cut, z, from.subspan(slice * old_slice, old_slice),
+              to.subspan(k * new_slice, new_slice));
   }
   measure(left);
   return left;

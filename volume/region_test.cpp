@@ -200,5 +200,23 @@ TEST(Region, NamesTheInvalidField) {
   }
 }
 
+TEST(Region, CutsEveryPhaseInTheSameWay) {
+  Volume both = numbered({20, 19, 18}, {1, 1, 1});
+  Volume second = both;
+  std::reverse(second.voxels.begin(), second.voxels.end());
+  const Volume first = both;
+  both.header.phases = {{PhaseKind::kTime, 0}, {PhaseKind::kTime, 40}};
+  both.voxels.insert(both.voxels.end(), second.voxels.begin(), second.voxels.end());
+  const Region region{{-9, -9, -8}, {9, 8, 9}, {{{0, 0, 6}, {0.2, 0, 1}}}};
+  const auto cut = cut_volume(both, region);
+  ASSERT_TRUE(cut.has_value()) << cut.error().message;
+  EXPECT_EQ(cut->header.phases, both.header.phases);
+  std::vector<std::int16_t> expected = cut_volume(first, region)->voxels;
+  const std::vector<std::int16_t> other = cut_volume(second, region)->voxels;
+  EXPECT_NE(expected, other);
+  expected.insert(expected.end(), other.begin(), other.end());
+  EXPECT_EQ(cut->voxels, expected);
+}
+
 }  // namespace
 }  // namespace diaphane::volume

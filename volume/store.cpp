@@ -148,42 +148,98 @@ Result<LabelSet> read_label_set(const std::string& directory, const Header& head
   }
 }
 
-Result<Volume> read(const std::string& directory, bool verify_hash) {
-  auto header = read_header(directory);
-  DIAPHANE_TRY(header);
+Result<void> check_phase(const Header& header, std::uint32_t phase) {
+  if (phase < header.phase_count()) return {};
+  const std::string count = std::to_string(header.phase_count());
+  return fail(ErrorCode::kInvalid,
+              header.phases.empty()
+                  ? "this scan has no phases"
+                  : "this scan has " + count + " phases, and they are counted from 0",
+              "phase");
+}
+
+namespace {
+
+/// Compares the checksum of the whole voxel file with the header.
+Result<void> verify_voxels(int file, const Header& header) {
+  DIAPHANE_TRY(content_hash(nullptr, 0));  // initialises the library, or returns kUnsupported
+  std::vector<char> piece(std::size_t{1} << 20);
+  RunningHash hash;
+  const std::uint64_t bytes = header.total_voxel_count() * sizeof(std::int16_t);
+  for (std::uint64_t at = 0; at < bytes; at += piece.size()) {
+    piece.resize(std::min<std::uint64_t>(piece.size(), bytes - at));
+    if (!read_all_at(file, at, piece.data(), piece.size())) {
+      return fail(ErrorCode::kUnavailable, "cannot read voxels.i16");
+    }
+    hash.add(piece.data(), piece.size());
+  }
+  if (hash.end() == header.content_hash) return {};
+  return fail(ErrorCode::kInternal,
+              "the voxels do not match their stored checksum; the disk may be failing");
+}
+
+/// Reads `phases` phases from the phase `first` on.
+Result<Volume> read_phases(const std::string& directory, bool verify_hash, Header header,
+                           std::uint32_t first, std::uint32_t phases) {
   auto opened = open_file(directory, kVoxelFile);
   DIAPHANE_TRY(opened);
   const Fd file(opened->first);
-  const std::uint64_t count = header->voxel_count();
-  if (static_cast<std::uint64_t>(opened->second) != count * sizeof(std::int16_t)) {
+  if (static_cast<std::uint64_t>(opened->second) !=
+      header.total_voxel_count() * sizeof(std::int16_t)) {
     return fail(ErrorCode::kInvalid, "the size of voxels.i16 does not match volume.json");
   }
-  auto labels = read_labels(directory, *header);
+  auto labels = read_labels(directory, header);
   DIAPHANE_TRY(labels);
-  auto label_set = read_label_set(directory, *header);
+  auto label_set = read_label_set(directory, header);
   DIAPHANE_TRY(label_set);
   Volume volume;
-  volume.header = std::move(*header);
+  volume.header = std::move(header);
+  volume.phase = first;
   volume.labels = std::move(*labels);
   volume.label_set = std::move(*label_set);
   volume.id = fs::path(directory).lexically_normal().filename().string();
+  const std::uint64_t count = volume.header.voxel_count();
   try {
-    volume.voxels.resize(count);
+    volume.voxels.resize(count * phases);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kOutOfMemory, "the volume does not fit in memory");
   }
-  if (!read_all(file.get(), volume.voxels.data(), count * sizeof(std::int16_t))) {
+  if (!read_all_at(file.get(), count * first * sizeof(std::int16_t), volume.voxels.data(),
+                   volume.voxels.size() * sizeof(std::int16_t))) {
     return fail(ErrorCode::kUnavailable, "cannot read voxels.i16");
   }
-  if (verify_hash) {
-    auto hash = content_hash(volume.voxels.data(), count * sizeof(std::int16_t));
-    DIAPHANE_TRY(hash);
-    if (*hash != volume.header.content_hash) {
-      return fail(ErrorCode::kInternal,
-                  "the voxels do not match their stored checksum; the disk may be failing");
-    }
-  }
+  if (verify_hash) DIAPHANE_TRY(verify_voxels(file.get(), volume.header));
   return volume;
+}
+
+}  // namespace
+
+Result<Volume> read(const std::string& directory, bool verify_hash, std::uint32_t phase) {
+  auto header = read_header(directory);
+  DIAPHANE_TRY(header);
+  DIAPHANE_TRY(check_phase(*header, phase));
+  return read_phases(directory, verify_hash, *std::move(header), phase, 1);
+}
+
+Result<Volume> read_all_phases(const std::string& directory, bool verify_hash) {
+  auto header = read_header(directory);
+  DIAPHANE_TRY(header);
+  const std::uint32_t phases = header->phase_count();
+  return read_phases(directory, verify_hash, *std::move(header), 0, phases);
+}
+
+Result<void> keep_phase(Volume& volume, std::uint32_t phase) {
+  DIAPHANE_TRY(check_phase(volume.header, phase));
+  const std::uint64_t count = volume.header.voxel_count();
+  if (volume.voxels.size() != volume.header.total_voxel_count()) {
+    return fail(ErrorCode::kInvalid, "the volume does not hold all of its phases");
+  }
+  const auto begin = volume.voxels.begin() + static_cast<std::ptrdiff_t>(count * phase);
+  std::move(begin, begin + static_cast<std::ptrdiff_t>(count), volume.voxels.begin());
+  volume.voxels.resize(count);
+  volume.voxels.shrink_to_fit();
+  volume.phase = phase;
+  return {};
 }
 
 namespace {
@@ -239,7 +295,7 @@ class Staged {
 };
 
 Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
-  if (volume.voxels.size() != volume.header.voxel_count()) {
+  if (volume.voxels.size() != volume.header.total_voxel_count()) {
     return fail(ErrorCode::kInvalid, "the number of voxels does not match the size");
   }
   const fs::path target = fs::path(directory).lexically_normal();

@@ -14,6 +14,24 @@ namespace diaphane::volume {
 
 enum class Modality { kOther, kCt, kMr, kPt };
 
+/// What distinguishes the phases of a scan, and the unit of Phase::value.
+enum class PhaseKind {
+  kIndex,   ///< only the order is known; the value is the index
+  kTime,    ///< ms since the first phase
+  kCycle,   ///< percent of a heartbeat or breath
+  kEcho,    ///< echo time in ms
+  kBValue,  ///< diffusion weighting in s/mm²
+};
+
+struct Phase {
+  PhaseKind kind = PhaseKind::kIndex;
+  double value = 0;
+  bool operator==(const Phase&) const = default;
+};
+
+/// Maximum number of phases of a scan. Functional MR has several hundred.
+inline constexpr std::uint32_t kMostPhases = 1000;
+
 /// The metadata that Diaphane keeps of a scan. This is an allow-list (design: ingest, "Nothing that
 /// identifies is kept").
 struct Header {
@@ -37,17 +55,28 @@ struct Header {
   /// Identifier of that space, stored only as a salted hash (frame_of_reference.h). Empty: unknown.
   std::string frame_of_reference;
   std::string label_hash;  ///< hash of the stored label set; empty: none
+  /// Empty, or at least 2: the scan shows one region at several times, echoes or b-values.
+  std::vector<Phase> phases;
   /// Number of slices that refine_slices() made of each stored one. Not stored.
   std::uint32_t interpolated = 1;
 
+  /// Number of voxels of one phase.
   std::uint64_t voxel_count() const { return std::uint64_t{size[0]} * size[1] * size[2]; }
+  std::uint32_t phase_count() const {
+    return phases.empty() ? 1 : static_cast<std::uint32_t>(phases.size());
+  }
+  /// Number of voxels of all phases.
+  std::uint64_t total_voxel_count() const { return voxel_count() * phase_count(); }
 };
 
 /// Voxel (x, y, z) is voxels[x + size[0] * (y + size[1] * z)]. Its centre is at index (x, y, z) +
 /// 1/2 in the box [0, size]. Values are Hounsfield units for CT and stored units otherwise.
 struct Volume {
   Header header;
+  /// One phase if read() returned the volume. All phases, one after the other, as ingest builds
+  /// and stores them.
   std::vector<std::int16_t> voxels;
+  std::uint32_t phase = 0;  ///< index of the phase in `voxels`, if it is a single one
   std::string id;  ///< name of its directory in the store, or empty if it is not from the store
   bool surroundings_hidden = false;  ///< hide_surroundings() was called
   std::string labels;  ///< encoded Labels (labels.h), or empty: everything counts as body
@@ -60,16 +89,24 @@ struct Filler {
   std::uint64_t count = 0;
 };
 
-/// Computes minimum, maximum and percentiles from the voxels. Excludes `filler.count` voxels with
-/// the value `filler.value`, or all of them if there are fewer, unless `filler.count` covers all
-/// voxels.
+/// Computes minimum, maximum and percentiles from all voxels that the volume holds. Excludes
+/// `filler.count` voxels with the value `filler.value`, or all of them if there are fewer, unless
+/// `filler.count` covers all voxels.
 void measure(Volume& volume, const Filler& filler = {});
 
-/// Reads `volume.json`, `voxels.i16` and, if they exist, `labels` and `label_set` from `directory`.
-/// Returns kNotFound if the volume does not exist, kInvalid if the files are malformed or do not
-/// match each other, kUnavailable if the disk cannot be read, and kOutOfMemory. `verify_hash` also
-/// checks the content hash; a mismatch is kInternal, because the disk must be broken.
-Result<Volume> read(const std::string& directory, bool verify_hash);
+/// Reads `volume.json`, one phase of `voxels.i16` and, if they exist, `labels` and `label_set` from
+/// `directory`. Returns kNotFound if the volume does not exist, kInvalid if the files are malformed
+/// or do not match each other or the scan has no such phase, kUnavailable if the disk cannot be
+/// read, and kOutOfMemory. `verify_hash` also checks the content hash of all phases; a mismatch is
+/// kInternal, because the disk must be broken.
+Result<Volume> read(const std::string& directory, bool verify_hash, std::uint32_t phase = 0);
+/// Like read(), with the voxels of all phases.
+Result<Volume> read_all_phases(const std::string& directory, bool verify_hash);
+/// Reduces a volume that holds all phases to one of them. Returns kInvalid, and changes nothing, if
+/// the scan has no such phase.
+Result<void> keep_phase(Volume& volume, std::uint32_t phase);
+/// Returns kInvalid, with the number of phases, if the scan has no phase `phase`.
+Result<void> check_phase(const Header& header, std::uint32_t phase);
 /// Reads only `volume.json`. The errors are those of read().
 Result<Header> read_header(const std::string& directory);
 
@@ -88,7 +125,8 @@ Result<void> write_label_set(const std::string& encoded, const std::string& dire
 Result<void> remove_label_set(const std::string& directory);
 
 /// Writes the files under a temporary name next to `directory`, syncs and renames, so that a
-/// reader never sees a partial volume. Fills content_hash. Returns kConflict if `directory` exists.
+/// reader never sees a partial volume. Expects the voxels of all phases. Fills content_hash.
+/// Returns kConflict if `directory` exists.
 Result<void> write(Volume& volume, const std::string& directory);
 
 /// Permanently replaces the volume in `directory`. Writes and syncs the new volume like write(),

@@ -74,6 +74,70 @@ TEST_F(VolumeStore, RoundTrips) {
   EXPECT_EQ(entries(), 1u) << "nothing temporary stays";
 }
 
+Volume three_phases() {
+  Volume volume = ramp();
+  volume.header.phases = {{PhaseKind::kCycle, 0}, {PhaseKind::kCycle, 33}, {PhaseKind::kEcho, 2.5}};
+  volume.voxels.resize(3 * 24);
+  std::iota(volume.voxels.begin(), volume.voxels.end(), std::int16_t{-12});
+  measure(volume);
+  return volume;
+}
+
+TEST_F(VolumeStore, ReadsOnePhaseOrAllOfThem) {
+  Volume volume = three_phases();
+  ASSERT_TRUE(write(volume, at("a")).has_value());
+  EXPECT_EQ(volume.header.maximum, 59) << "the statistics are those of all phases";
+  for (std::uint32_t phase = 0; phase < 3; ++phase) {
+    const auto one = read(at("a"), can_hash(), phase);
+    ASSERT_TRUE(one.has_value()) << one.error().message;
+    EXPECT_EQ(one->phase, phase);
+    EXPECT_EQ(one->header.phases, volume.header.phases);
+    ASSERT_EQ(one->voxels.size(), 24u);
+    EXPECT_EQ(one->voxels.front(), -12 + 24 * static_cast<int>(phase));
+    auto all = read_all_phases(at("a"), can_hash());
+    ASSERT_TRUE(all.has_value()) << all.error().message;
+    EXPECT_EQ(all->voxels, volume.voxels);
+    ASSERT_TRUE(keep_phase(*all, phase).has_value());
+    EXPECT_EQ(all->voxels, one->voxels);
+  }
+  const auto beyond = read(at("a"), false, 3);
+  ASSERT_FALSE(beyond.has_value());
+  EXPECT_EQ(beyond.error().code, ErrorCode::kInvalid);
+  EXPECT_NE(beyond.error().message.find("3 phases"), std::string::npos);
+  EXPECT_EQ(keep_phase(volume, 3).error().code, ErrorCode::kInvalid);
+}
+
+TEST_F(VolumeStore, VerifiesEveryPhaseWhenOneIsRead) {
+  if (!can_hash()) GTEST_SKIP() << "no libsodium";
+  Volume volume = three_phases();
+  ASSERT_TRUE(write(volume, at("a")).has_value());
+  {
+    std::fstream file(at("a/voxels.i16"), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(2 * 24 * 2 + 1);
+    file.put(1);
+  }
+  EXPECT_EQ(read(at("a"), true, 0).error().code, ErrorCode::kInternal);
+  EXPECT_TRUE(read(at("a"), false, 0).has_value());
+}
+
+TEST_F(VolumeStore, RefusesImplausiblePhases) {
+  Volume volume = three_phases();
+  volume.voxels.resize(24);
+  EXPECT_EQ(write(volume, at("a")).error().code, ErrorCode::kInvalid);
+  volume.header.phases.resize(1);
+  EXPECT_EQ(check(volume.header).error().field, "phases");
+  volume.header.phases.resize(kMostPhases);
+  EXPECT_TRUE(check(volume.header).has_value());
+  volume.header.phases.resize(kMostPhases + 1);
+  EXPECT_EQ(check(volume.header).error().field, "phases");
+  volume.header.phases = {{PhaseKind::kTime, 0}, {PhaseKind::kTime, NAN}};
+  EXPECT_EQ(check(volume.header).error().field, "phases");
+  volume.header.phases.resize(2, {});
+  volume.header.phases[1].value = 1;
+  volume.header.size = {65535, 65535, 1};
+  EXPECT_EQ(check(volume.header).error().code, ErrorCode::kTooLarge);
+}
+
 TEST_F(VolumeStore, KeepsLabelsIfThereAreAny) {
   Volume volume = ramp();
   volume.labels = encode(Labels{volume.header.size, std::vector<std::uint8_t>(24, 1)});

@@ -51,11 +51,8 @@ nlohmann::ordered_json to_json(const DataSet& d) {
   if (!d.waiting_for.empty()) json["waiting_for"] = d.waiting_for;
   json["volume"] = nullptr;
   if (d.state == DataSetState::kReady) {
-    json["volume"] = {{"modality", d.modality},
-                      {"size", d.size},
-                      {"spacing_mm", d.spacing},
-                      {"bytes", d.volume_bytes},
-                      {"repairs", d.repairs}};
+    json["volume"] = {{"modality", d.modality},  {"size", d.size},          {"phases", d.phases},
+                      {"spacing_mm", d.spacing}, {"bytes", d.volume_bytes}, {"repairs", d.repairs}};
   }
   json["upload"] = nullptr;
   if (d.upload) json["upload"] = to_json(*d.upload);

@@ -16,7 +16,7 @@ const char* const kSelectDataSet = R"sql(
          COALESCE(d.size_x, 0) AS size_x, COALESCE(d.size_y, 0) AS size_y, COALESCE(d.size_z, 0) AS size_z,
          COALESCE(d.spacing_x, 0) AS spacing_x, COALESCE(d.spacing_y, 0) AS spacing_y,
          COALESCE(d.spacing_z, 0) AS spacing_z,
-         COALESCE(d.volume_bytes, 0) AS volume_bytes, d.repairs,
+         COALESCE(d.volume_bytes, 0) AS volume_bytes, d.phases, d.repairs,
          (extract(epoch FROM d.created_at) * 1000000)::bigint AS created_us,
          (extract(epoch FROM d.updated_at) * 1000000)::bigint AS updated_us,
          u.length AS upload_length, u.received AS upload_received,
@@ -108,6 +108,7 @@ DataSet read_data_set(const pqxx::row& row) {
   d.spacing = {row["spacing_x"].as<double>(), row["spacing_y"].as<double>(),
                row["spacing_z"].as<double>()};
   d.volume_bytes = row["volume_bytes"].as<std::int64_t>();
+  d.phases = row["phases"].as<int>();
   d.repairs = read_texts(row["repairs"]);
   d.created_at = from_us(row["created_us"].as<std::int64_t>());
   d.updated_at = from_us(row["updated_us"].as<std::int64_t>());

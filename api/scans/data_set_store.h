@@ -82,6 +82,7 @@ struct DataSet {
   // The following members are set in state kReady.
   std::string modality;
   std::array<int, 3> size{};
+  int phases = 1;
   std::array<double, 3> spacing{};  ///< mm
   std::int64_t volume_bytes = 0;
   std::vector<std::string> repairs;

@@ -18,7 +18,7 @@ ScanExport read_export(const pqxx::row& row) {
   return {.id = row["id"].as<std::string>(),
           .data_set_id = row["data_set_id"].as<std::string>(),
           .order = {row["format"].as<std::string>(), number_or_null(row["label"]),
-                    number_or_null(row["above"])},
+                    number_or_null(row["above"]), row["phase"].as<std::int64_t>()},
           .state = row["state"].as<std::string>(),
           .bytes = row["bytes"].as<std::int64_t>(),
           .waiting = row["waiting"].as<bool>(),
@@ -59,12 +59,13 @@ Result<ScanExportStore::Request> ScanExportRepository::request(const std::string
     const ScanExportOrder& order = requested.order;
     const pqxx::result made = transaction.exec_params(
         R"sql(
-        INSERT INTO scan_exports (id, user_id, data_set_id, format, label, above, state, bytes, created_at, expires_at)
-        VALUES ($1::uuid, $2::uuid, $3::uuid, $4, $5, $6, 'queued', $7, to_timestamp($8::bigint / 1e6),
-                to_timestamp($9::bigint / 1e6))
+        INSERT INTO scan_exports (id, user_id, data_set_id, format, label, above, phase, state, bytes, created_at,
+                                  expires_at)
+        VALUES ($1::uuid, $2::uuid, $3::uuid, $4, $5, $6, $7, 'queued', $8, to_timestamp($9::bigint / 1e6),
+                to_timestamp($10::bigint / 1e6))
         ON CONFLICT (user_id) DO NOTHING)sql",
         requested.id, user_id, requested.data_set_id, order.format, order.label, order.above,
-        needed, to_us(requested.created_at), to_us(requested.expires_at));
+        order.phase, needed, to_us(requested.created_at), to_us(requested.expires_at));
     if (made.affected_rows() == 0) return Request::kBusy;
     note_in_audit_log(transaction,
                       {AuditActor::kPerson,
@@ -84,7 +85,7 @@ Result<std::optional<ScanExport>> ScanExportRepository::find(const std::string& 
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<ScanExport>> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
-        SELECT id, data_set_id, format, label, above, state, COALESCE(bytes, 0) AS bytes, waiting,
+        SELECT id, data_set_id, format, label, above, phase, state, COALESCE(bytes, 0) AS bytes, waiting,
                COALESCE(problem_code, '') AS problem_code, COALESCE(problem_text, '') AS problem_text,
                (extract(epoch FROM created_at) * 1000000)::bigint AS created_us,
                (extract(epoch FROM expires_at) * 1000000)::bigint AS expires_us

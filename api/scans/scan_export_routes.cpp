@@ -2,6 +2,7 @@
 #include "api/routing/request_fields.h"
 #include "api/scans/routes.h"
 #include "common/try.h"
+#include "volume/volume.h"
 
 namespace diaphane::api {
 namespace {
@@ -12,6 +13,7 @@ nlohmann::ordered_json to_json(const ScanExport& one) {
                               {"format", one.order.format},
                               {"label", nullptr},
                               {"above", nullptr},
+                              {"phase", one.order.phase},
                               {"bytes", nullptr},
                               {"problem", nullptr},
                               {"created_at", rfc3339(one.created_at)},
@@ -30,6 +32,9 @@ Outcome<ScanExportOrder> read_order(const Request& request) {
   order.format = in.choice("format", kScanExportFormats);
   if (!in.is_null("label")) order.label = in.optional_integer("label", 1, UINT32_MAX);
   if (!in.is_null("above")) order.above = in.optional_integer("above", INT16_MIN, INT16_MAX);
+  if (!in.is_null("phase"))
+    order.phase = in.optional_integer("phase", 0, volume::kMostPhases - 1).value_or(0);
+  if (order.phase > 0 && !order.above) in.wrong("phase", "is for above");
   if (order.format == "nifti") {
     if (order.label) in.wrong("label", "must be absent for nifti, which contains the whole scan");
     if (order.above) in.wrong("above", "must be absent for nifti, which contains the whole scan");

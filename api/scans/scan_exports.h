@@ -16,6 +16,7 @@ struct ScanExportOrder {
   std::string format;                 ///< one of kScanExportFormats
   std::optional<std::int64_t> label;  ///< number of the label
   std::optional<std::int64_t> above;  ///< smallest value that the surface encloses
+  std::int64_t phase = 0;             ///< phase of the scan, for `above`
 };
 
 inline constexpr std::array<std::string_view, 3> kScanExportFormats{"nifti", "stl", "glb"};

@@ -205,9 +205,42 @@ volume::Labels label_body(const volume::Volume& volume) {
   return Painter(volume, cells, scale, decision).paint();
 }
 
+namespace {
+
+/// Adds what another phase shows of the patient, so that nothing that moves is hidden.
+void add_body(const volume::Labels& phase, volume::Labels& labels) {
+  const auto is_body = [](std::uint8_t label) {
+    return label != static_cast<std::uint8_t>(Label::kOutside) &&
+           label != static_cast<std::uint8_t>(Label::kSupport);
+  };
+  for (std::size_t i = 0; i < labels.voxels.size(); ++i) {
+    if (is_body(phase.voxels[i]) && !is_body(labels.voxels[i])) labels.voxels[i] = phase.voxels[i];
+  }
+}
+
+}  // namespace
+
 std::string found_labels(const volume::Volume& volume) {
-  volume::Labels labels = label_body(volume);
-  mark_brain(volume, labels);
+  const std::size_t count = volume.header.voxel_count();
+  if (volume.voxels.size() <= count) {
+    volume::Labels labels = label_body(volume);
+    mark_brain(volume, labels);
+    return volume::encode(labels);
+  }
+  volume::Labels labels;
+  volume::Volume phase;
+  phase.header = volume.header;
+  for (std::size_t at = 0; at + count <= volume.voxels.size(); at += count) {
+    const auto begin = volume.voxels.begin() + static_cast<std::ptrdiff_t>(at);
+    phase.voxels.assign(begin, begin + static_cast<std::ptrdiff_t>(count));
+    volume::measure(phase);
+    if (at == 0) {
+      labels = label_body(phase);
+      mark_brain(phase, labels);
+    } else {
+      add_body(label_body(phase), labels);
+    }
+  }
   return volume::encode(labels);
 }
 

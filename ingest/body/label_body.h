@@ -13,7 +13,8 @@ namespace diaphane::ingest {
 /// untouched. A PET scan is entirely body. Precondition: the volume is measured (volume::measure).
 volume::Labels label_body(const volume::Volume& volume);
 
-/// Returns all labels that a stored scan gets, encoded: those of label_body() and mark_brain().
+/// Returns all labels that a stored scan gets, encoded: those of label_body() and mark_brain(). If
+/// the volume holds several phases, what is body in any of them is body.
 std::string found_labels(const volume::Volume& volume);
 
 }  // namespace diaphane::ingest

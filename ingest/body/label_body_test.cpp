@@ -173,5 +173,28 @@ TEST(LabelBodyOfAHead, IsDeterministic) {
   EXPECT_EQ(label_body(phantom.volume).voxels, label_body(phantom.volume).voxels);
 }
 
+TEST(FoundLabels, KeepWhatMovesInAnyPhase) {
+  // The second phase is the first one, turned upside down, so that the body is somewhere else.
+  Volume scan = make_phantom("head without a headrest").volume;
+  const Labels still = label_body(scan);
+  Volume turned = scan;
+  std::reverse(turned.voxels.begin(), turned.voxels.end());
+  const Labels moved = label_body(turned);
+  scan.header.phases = {{volume::PhaseKind::kTime, 0}, {volume::PhaseKind::kTime, 40}};
+  scan.voxels.insert(scan.voxels.end(), turned.voxels.begin(), turned.voxels.end());
+  const auto found = volume::decode(found_labels(scan), scan.header.size);
+  ASSERT_TRUE(found.has_value());
+  std::size_t only_later = 0;
+  for (std::size_t i = 0; i < still.voxels.size(); ++i) {
+    const auto body = [&](const Labels& labels) {
+      return labels.voxels[i] != static_cast<std::uint8_t>(Label::kOutside) &&
+             labels.voxels[i] != static_cast<std::uint8_t>(Label::kSupport);
+    };
+    ASSERT_EQ(body(*found), body(still) || body(moved)) << i;
+    if (body(moved) && !body(still)) ++only_later;
+  }
+  EXPECT_GT(only_later, 1000U);
+}
+
 }  // namespace
 }  // namespace diaphane::ingest

@@ -200,6 +200,45 @@ TEST(BuildVolume, BrokenCompressedSliceDoesNotChangeOtherSlices) {
   }
 }
 
+/// Returns the files of two phases of a CT, by their trigger times. The values of the second one
+/// are those of the picture plus 5.
+std::vector<std::string> two_phases(Options options) {
+  std::vector<std::string> files;
+  for (const int phase : {1, 0}) {
+    options.change = [phase](int, SeriesSpec& series, SliceSpec& slice) {
+      series.intercept += 5 * phase;
+      slice.extra.push_back({0x0018, 0x1060, "DS", std::to_string(40 * phase), {}});
+    };
+    for (std::string& file : files_of(options)) files.push_back(std::move(file));
+  }
+  return files;
+}
+
+TEST(BuildVolume, PlacesPhasesOneAfterTheOther) {
+  Options tilted = plain_ct();
+  tilted.step = {0, std::sin(0.1), std::cos(0.1)};
+  for (const Options& options : {plain_ct(), tilted}) {
+    std::vector<std::string> files = two_phases(options);
+    auto alone =
+        built({files.begin() + static_cast<std::ptrdiff_t>(files.size() / 2), files.end()});
+    ASSERT_TRUE(alone.has_value()) << alone.error().message;
+    auto both = built(files);
+    ASSERT_TRUE(both.has_value()) << both.error().message;
+    ASSERT_EQ(both->header.phases.size(), 2U);
+    EXPECT_EQ(both->header.size, alone->header.size);
+    EXPECT_EQ(both->header.maximum, alone->header.maximum + 5);
+    const std::size_t count = alone->voxels.size();
+    ASSERT_EQ(both->voxels.size(), 2 * count);
+    const int air = options.step[1] > 0 ? -1024 : INT16_MIN;
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_EQ(both->voxels[i], alone->voxels[i]) << i;
+      // Pixels that no slice covers stay air. Interpolation rounds, so values may differ by one.
+      if (alone->voxels[i] != air)
+        ASSERT_NEAR(both->voxels[count + i], alone->voxels[i] + 5, 1) << i;
+    }
+  }
+}
+
 TEST(BuildVolume, HeaderContainsNoPatientData) {
   Options options = plain_ct();
   options.series.with_patient = true;

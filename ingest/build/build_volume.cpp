@@ -76,6 +76,7 @@ volume::Header header_of(const dicom::Assessment& found, const dicom::Choice& ch
   header.window_width = found.window_width;
   header.origin = found.origin;
   header.repairs = choice.repairs;
+  header.phases = found.phases;
   return header;
 }
 
@@ -85,7 +86,8 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
                            const dicom::Choice& choice, const dicom::Limits& limits) {
   const dicom::Series& series = scan.series[choice.index];
   const dicom::Assessment& found = series.assessment;
-  std::unordered_map<std::size_t, std::vector<std::size_t>> places;  // z of the slices by file
+  // The z of the slices by file. The slices of later phases follow those of the first one.
+  std::unordered_map<std::size_t, std::vector<std::size_t>> places;
   for (std::size_t z = 0; z < found.order.size(); ++z) {
     places[series.slices[found.order[z]].file].push_back(z);
   }
@@ -94,9 +96,11 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
   volume.header = header_of(found, choice);
   const dicom::Slice& first = series.slices[found.order.front()];
   volume.header.frame_of_reference = first.frame_of_reference;
-  volume.header.size = {first.columns, first.rows, static_cast<std::uint32_t>(found.order.size())};
+  volume.header.size = {
+      first.columns, first.rows,
+      static_cast<std::uint32_t>(found.order.size() / volume.header.phase_count())};
   try {
-    volume.voxels.resize(volume.header.voxel_count());
+    volume.voxels.resize(volume.header.total_voxel_count());
     Voxels voxels(found.modality == volume::Modality::kCt, volume);
     const std::size_t picture = std::size_t{first.columns} * first.rows;
     std::size_t done = 0;

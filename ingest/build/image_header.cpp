@@ -135,6 +135,26 @@ Result<std::vector<char>> unpack(const std::string& path, std::uint64_t offset,
 
 }  // namespace
 
+Result<std::vector<std::byte>> unpacked_file(const std::string& path) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(path.c_str(), "rb"), gzclose);
+  if (in == nullptr) return fail(ErrorCode::kNotFound, "the file cannot be read");
+  constexpr std::size_t kPiece = 1 << 26;
+  std::vector<std::byte> bytes;
+  try {
+    for (std::size_t size = 0;; size = bytes.size()) {
+      bytes.resize(size + kPiece);
+      const int got = gzread(in.get(), bytes.data() + size, kPiece);
+      if (got < 0) return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
+      bytes.resize(size + static_cast<std::size_t>(got));
+      if (got == 0) return bytes;
+      if (bytes.size() > 8 * volume::kMaxVoxels)
+        return fail(ErrorCode::kTooLarge, "the image is too large");
+    }
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "the image does not fit in memory");
+  }
+}
+
 Axes ras_to_lps(Axes axes) {
   for (std::size_t i = 0; i < 6; ++i) axes[i] = -axes[i];
   return axes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -39,6 +40,10 @@ struct PackedNrrd {
 /// kUnsupported for big-endian voxels, other types or a second file, kInvalid for a damaged file,
 /// and kTooLarge for more voxels than a volume may have.
 Result<std::optional<PackedNrrd>> read_packed_nrrd(const std::string& path);
+
+/// Returns the contents of a file, decompressed if it is compressed with gzip. Returns kInvalid for
+/// a damaged file, and kTooLarge for more bytes than the largest volume has.
+Result<std::vector<std::byte>> unpacked_file(const std::string& path);
 
 /// Converts axes from the right-anterior frame of NIfTI and NRRD's RAS to the left-posterior frame.
 std::array<double, 9> ras_to_lps(std::array<double, 9> axes);

@@ -1,7 +1,6 @@
 #include "ingest/build/image_volume.h"
 
 #include <vtkDataArray.h>
-#include <vtkImageFlip.h>
 #include <vtkMatrix3x3.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -70,7 +69,7 @@ template <typename T>
 void take_values(vtkImageData* image, double slope, double intercept, bool is_float,
                  volume::Volume& volume) {
   const auto* from = static_cast<const T*>(image->GetScalarPointer());
-  const std::size_t count = volume.header.voxel_count();
+  const std::size_t count = volume.header.total_voxel_count();
   auto [low, high] = range_of(from, count);
   low = slope * low + intercept;
   high = slope * high + intercept;
@@ -113,9 +112,22 @@ bool take_values_of(vtkImageData* image, double slope, double intercept, volume:
   }
 }
 
+/// Reverses the order of the slices of each phase.
+void reverse_slices(volume::Volume& volume) {
+  const auto& size = volume.header.size;
+  const auto picture = static_cast<std::ptrdiff_t>(std::size_t{size[0]} * size[1]);
+  for (std::uint32_t phase = 0; phase < volume.header.phase_count(); ++phase) {
+    const auto begin =
+        volume.voxels.begin() + static_cast<std::ptrdiff_t>(phase * volume.header.voxel_count());
+    for (std::ptrdiff_t low = 0, high = size[2] - std::ptrdiff_t{1}; low < high; ++low, --high) {
+      std::swap_ranges(begin + low * picture, begin + (low + 1) * picture, begin + high * picture);
+    }
+  }
+}
+
 }  // namespace
 
-vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume) {
+vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume, std::uint32_t index) {
   const volume::Header& h = volume.header;
   auto image = vtkSmartPointer<vtkImageData>::New();
   image->SetDimensions(static_cast<int>(h.size[0]), static_cast<int>(h.size[1]),
@@ -124,23 +136,28 @@ vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume) {
   image->SetDirectionMatrix(h.direction.data());
   vtkNew<vtkShortArray> scalars;
   constexpr int kDoNotFree = 1;
-  scalars->SetArray(volume.voxels.data(), static_cast<vtkIdType>(volume.voxels.size()), kDoNotFree);
+  scalars->SetArray(volume.voxels.data() + index * h.voxel_count(),
+                    static_cast<vtkIdType>(h.voxel_count()), kDoNotFree);
   image->GetPointData()->SetScalars(scalars);
   return image;
 }
 
 Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9>& axes,
                                  double slope, double intercept, std::vector<std::string> repairs,
-                                 std::optional<std::array<double, 3>> origin) {
+                                 std::optional<std::array<double, 3>> origin,
+                                 std::vector<volume::Phase> phases) {
   if (image->GetNumberOfScalarComponents() != 1) {
     return fail(ErrorCode::kUnsupported,
-                "this file has several values per voxel (colours, vectors or time steps)");
+                "this file has several values per voxel, such as colours or vectors");
   }
   volume::Volume volume;
   volume::Header& h = volume.header;
   h.repairs = std::move(repairs);
   h.origin = origin;
-  const int* size = image->GetDimensions();
+  h.phases = std::move(phases);
+  std::array<int, 3> size{};
+  image->GetDimensions(size.data());
+  size[2] /= static_cast<int>(h.phase_count());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (size[axis] < 1) return fail(ErrorCode::kInvalid, "the image is empty");
     h.size[axis] = static_cast<std::uint32_t>(size[axis]);
@@ -149,17 +166,10 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
     for (std::size_t row = 0; row < 3; ++row)
       h.direction[3 * row + axis] = axes[3 * row + axis] / step;
   }
-  vtkSmartPointer<vtkImageData> upright = image;
-  if (vtkMatrix3x3::Determinant(h.direction.data()) < 0) {
-    // For left-handed axes, reversing the slices and their axis gives the same image without
-    // mirroring.
-    vtkNew<vtkImageFlip> flip;
-    flip->SetInputData(image);
-    flip->SetEnableSMP(false);  // the sandbox allows no threads
-    flip->SetNumberOfThreads(1);
-    flip->SetFilteredAxis(2);
-    flip->Update();
-    upright = flip->GetOutput();
+  // For left-handed axes, reversing the slices and their axis gives the same image without
+  // mirroring.
+  const bool reversed = vtkMatrix3x3::Determinant(h.direction.data()) < 0;
+  if (reversed) {
     for (std::size_t row = 0; row < 3; ++row) {
       h.direction[3 * row + 2] *= -1;
       if (h.origin) (*h.origin)[row] += (h.size[2] - 1.0) * axes[3 * row + 2];
@@ -168,10 +178,11 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
   if (auto ok = volume::check(h); !ok) {
     return fail(ErrorCode::kUnsupported, "the image cannot be shown: " + ok.error().message);
   }
-  if (!take_values_of(upright, slope, intercept, volume)) {
+  if (!take_values_of(image, slope, intercept, volume)) {
     return fail(ErrorCode::kUnsupported,
                 "only integers of 8 to 32 bits and floating-point voxels are supported");
   }
+  if (reversed) reverse_slices(volume);
   volume::measure(volume);
   return volume;
 }

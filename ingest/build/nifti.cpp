@@ -17,8 +17,8 @@ using Bytes = std::span<const std::byte>;
 // Offsets of nifti1.h (R. Cox et al. 2004).
 constexpr std::size_t kHeaderBytes = 348;
 constexpr std::size_t kDim = 40, kDataType = 70, kPixDim = 76, kVoxOffset = 108, kSlope = 112,
-                      kIntercept = 116, kQformCode = 252, kSformCode = 254, kQuatern = 256,
-                      kQoffset = 268, kSrow = 280, kIntentName = 328, kMagic = 344;
+                      kIntercept = 116, kUnits = 123, kQformCode = 252, kSformCode = 254,
+                      kQuatern = 256, kQoffset = 268, kSrow = 280, kIntentName = 328, kMagic = 344;
 
 template <typename T>
 T swapped_bytes(T value) {
@@ -54,16 +54,47 @@ tl::unexpected<Error> damaged() {
   return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
 }
 
+/// Returns the milliseconds of a unit of time (xyzt_units), or 0 if the file does not state it.
+double milliseconds_of(std::uint8_t units) {
+  switch (units & 0x38) {
+    case 8:
+      return 1000;
+    case 16:
+      return 1;
+    case 24:
+      return 1e-3;
+    default:
+      return 0;
+  }
+}
+
+void read_phases(Bytes file, std::size_t count, NiftiHeader& header) {
+  const double step = static_cast<double>(at<float>(file, kPixDim + 16, header.swapped)) *
+                      milliseconds_of(at<std::uint8_t>(file, kUnits, false));
+  const bool timed = std::isfinite(step) && step > 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto index = static_cast<double>(i);
+    header.phases.push_back({timed ? volume::PhaseKind::kTime : volume::PhaseKind::kIndex,
+                             timed ? index * step : index});
+  }
+}
+
 Result<void> read_size(Bytes file, NiftiHeader& header) {
   const auto dim = [&](std::size_t i) {
     return at<std::int16_t>(file, kDim + 2 * i, header.swapped);
   };
   const int dimensions = dim(0);
   if (dimensions < 3 || dimensions > 7) return fail(ErrorCode::kUnsupported, "it has no depth");
-  for (std::size_t i = 4; i <= static_cast<std::size_t>(dimensions); ++i) {
+  for (std::size_t i = 5; i <= static_cast<std::size_t>(dimensions); ++i) {
     if (dim(i) > 1) {
-      return fail(ErrorCode::kUnsupported, "this is a time series, not a single volume");
+      return fail(ErrorCode::kUnsupported,
+                  "this file has several values per voxel, such as colours or vectors");
     }
+  }
+  const std::size_t phases = dimensions >= 4 && dim(4) > 1 ? static_cast<std::size_t>(dim(4)) : 1;
+  if (phases > volume::kMostPhases) {
+    return fail(ErrorCode::kTooLarge,
+                "it has " + std::to_string(phases) + " phases, and at most 1,000 are supported");
   }
   std::uint64_t voxels = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -71,7 +102,9 @@ Result<void> read_size(Bytes file, NiftiHeader& header) {
     header.size[axis] = static_cast<std::uint32_t>(dim(axis + 1));
     voxels *= header.size[axis];
   }
+  voxels *= phases;
   if (voxels > volume::kMaxVoxels) return fail(ErrorCode::kTooLarge, "the image is too large");
+  if (phases > 1) read_phases(file, phases, header);
   return {};
 }
 
@@ -142,8 +175,8 @@ Result<NiftiHeader> read_nifti_header(Bytes file) {
   }
   header.type = type->type;
   header.voxel_bytes = type->bytes;
-  const std::uint64_t bytes =
-      std::uint64_t{header.size[0]} * header.size[1] * header.size[2] * type->bytes;
+  const std::uint64_t bytes = std::uint64_t{header.size[0]} * header.size[1] * header.size[2] *
+                              std::max<std::size_t>(header.phases.size(), 1) * type->bytes;
   const float begin = at<float>(file, kVoxOffset, header.swapped);
   // The negated comparison also rejects NaN.
   if (!(begin >= kHeaderBytes && begin <= static_cast<float>(file.size()))) return damaged();

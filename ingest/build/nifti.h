@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "common/result.h"
 #include "volume/volume.h"
@@ -22,9 +23,10 @@ struct NiftiHeader {
   bool swapped = false;          ///< the byte order differs from this machine's
   std::size_t voxels_begin = 0;  ///< offset of the voxels in the file
   double slope = 1, intercept = 0;
-  std::array<double, 9> axes{};    ///< steps from voxel to voxel in mm (LPS), as columns
-  std::array<double, 3> origin{};  ///< centre of the first voxel in mm (LPS), if `has_axes`
-  bool has_axes = false;           ///< false: the file does not state its orientation
+  std::array<double, 9> axes{};       ///< steps from voxel to voxel in mm (LPS), as columns
+  std::array<double, 3> origin{};     ///< centre of the first voxel in mm (LPS), if `has_axes`
+  bool has_axes = false;              ///< false: the file does not state its orientation
+  std::vector<volume::Phase> phases;  ///< as volume::Header::phases
   volume::Modality modality = volume::Modality::kOther;
 };
 
@@ -32,8 +34,8 @@ struct NiftiHeader {
 bool is_nifti(std::span<const std::byte> file);
 
 /// Parses the header. Returns kInvalid for a damaged or incomplete file, kUnsupported for other
-/// voxel types, several values per voxel, a time series or voxels in another file, and kTooLarge
-/// for more voxels than a volume may have.
+/// voxel types, several values per voxel or voxels in another file, and kTooLarge for more voxels
+/// or phases than a volume may have.
 Result<NiftiHeader> read_nifti_header(std::span<const std::byte> file);
 
 /// Returns a measured volume, converted to int16 as in read_image(), or an error of read_image().

@@ -138,6 +138,38 @@ TEST(Nifti, VoxelsMayBeginAnywhere) {
   EXPECT_EQ(read(made.with("x" + voxels_of(counted<std::int16_t>())))->voxels[23], 23);
 }
 
+TEST(Nifti, ReadsPhasesAndTheirTimes) {
+  Made made;
+  made.dim = {4, 4, 3, 2, 3, 1, 1, 1};
+  std::string all;
+  for (const int phase : {0, 100, 200}) {
+    std::vector<std::int16_t> values = counted<std::int16_t>();
+    for (std::int16_t& value : values) value = static_cast<std::int16_t>(value + phase);
+    all += voxels_of(values);
+  }
+  std::string file = made.with(all);
+  made.put(file, 76 + 16, 0.05F);
+  const auto index = read(file);
+  ASSERT_TRUE(index) << index.error().message;
+  EXPECT_EQ(index->header.size, (std::array<std::uint32_t, 3>{4, 3, 2}));
+  EXPECT_EQ(index->header.phases.at(2), (volume::Phase{volume::PhaseKind::kIndex, 2}));
+  ASSERT_EQ(index->voxels.size(), 72U);
+  EXPECT_EQ(index->voxels[24 + 5], 105);
+  EXPECT_EQ(index->header.maximum, 223);
+  file[123] = 2 | 8;  // mm and seconds
+  const auto timed = read(file);
+  ASSERT_EQ(timed->header.phases.size(), 3U);
+  EXPECT_EQ(timed->header.phases[1].kind, volume::PhaseKind::kTime);
+  EXPECT_NEAR(timed->header.phases[2].value, 100, 1e-5);
+  // A left-handed file is reversed along z within each phase.
+  Made mirrored = made;
+  mirrored.srow[0] = 0.5F;
+  const auto reversed = read(mirrored.with(all));
+  ASSERT_TRUE(reversed) << reversed.error().message;
+  EXPECT_EQ(reversed->voxels[24 + 5], 117);
+  EXPECT_EQ(reversed->voxels[24 + 12 + 5], 105);
+}
+
 TEST(Nifti, SaysThatTheOrientationIsUnknown) {
   Made made;
   made.sform = 0;
@@ -226,7 +258,10 @@ TEST(Nifti, RefusesWhatItCannotShow) {
   };
   const auto nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(changed([](Made& m) { m.magic = "ni1"; }), ErrorCode::kInvalid);
-  EXPECT_EQ(changed([](Made& m) { m.dim[0] = 4, m.dim[4] = 10; }), ErrorCode::kUnsupported);
+  EXPECT_EQ(changed([](Made& m) { m.dim[0] = 4, m.dim[4] = 10; }), ErrorCode::kInvalid)
+      << "the voxels of one phase only";
+  EXPECT_EQ(changed([](Made& m) { m.dim[0] = 4, m.dim[4] = 1001; }), ErrorCode::kTooLarge);
+  EXPECT_EQ(changed([](Made& m) { m.dim[0] = 5, m.dim[5] = 3; }), ErrorCode::kUnsupported);
   EXPECT_EQ(changed([](Made& m) { m.dim[0] = 2; }), ErrorCode::kUnsupported);
   EXPECT_EQ(changed([](Made& m) { m.dim[2] = 0; }), ErrorCode::kInvalid);
   EXPECT_EQ(changed([](Made& m) { m.dim[2] = 30000; }), ErrorCode::kInvalid) << "not so many bytes";

@@ -48,8 +48,9 @@ std::vector<std::byte> in_native_order(Bytes voxels, std::size_t width) {
 }  // namespace
 
 Result<volume::Volume> read_nifti_voxels(Bytes file, const NiftiHeader& header) {
+  const std::size_t depth = header.size[2] * std::max<std::size_t>(header.phases.size(), 1);
   const std::size_t bytes =
-      std::size_t{header.size[0]} * header.size[1] * header.size[2] * header.voxel_bytes;
+      std::size_t{header.size[0]} * header.size[1] * depth * header.voxel_bytes;
   Bytes voxels = file.subspan(header.voxels_begin, bytes);
   std::vector<std::byte> native;
   // VTK needs numbers at their natural alignment.
@@ -63,15 +64,14 @@ Result<volume::Volume> read_nifti_voxels(Bytes file, const NiftiHeader& header) 
   import->SetDataScalarType(vtk_type(header.type));
   import->SetNumberOfScalarComponents(1);
   import->SetWholeExtent(0, static_cast<int>(header.size[0]) - 1, 0,
-                         static_cast<int>(header.size[1]) - 1, 0,
-                         static_cast<int>(header.size[2]) - 1);
+                         static_cast<int>(header.size[1]) - 1, 0, static_cast<int>(depth) - 1);
   import->SetDataExtentToWholeExtent();
   import->Update();
   std::vector<std::string> repairs;
   if (!header.has_axes) repairs.emplace_back(kNoAxes);
-  auto volume =
-      to_volume(import->GetOutput(), header.axes, header.slope, header.intercept,
-                std::move(repairs), header.has_axes ? std::optional(header.origin) : std::nullopt);
+  auto volume = to_volume(
+      import->GetOutput(), header.axes, header.slope, header.intercept, std::move(repairs),
+      header.has_axes ? std::optional(header.origin) : std::nullopt, header.phases);
   if (volume) volume->header.modality = header.modality;
   return volume;
 }

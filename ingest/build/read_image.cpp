@@ -22,6 +22,7 @@
 #include "common/try.h"
 #include "ingest/build/image_header.h"
 #include "ingest/build/image_volume.h"
+#include "ingest/build/nifti.h"
 #include "volume/header.h"
 
 namespace diaphane::ingest {
@@ -37,7 +38,7 @@ std::string lower_name(const std::string& path) {
 }
 
 bool is_meta(const std::string& name) { return name.ends_with(".mha") || name.ends_with(".mhd"); }
-bool is_nifti(const std::string& name) {
+bool is_nifti_name(const std::string& name) {
   return name.ends_with(".nii") || name.ends_with(".nii.gz");
 }
 bool is_nrrd(const std::string& name) { return name.ends_with(".nrrd"); }
@@ -116,12 +117,22 @@ Result<volume::Volume> read_meta(const std::string& path) {
   return volume;
 }
 
+/// Reads a NIfTI file with phases, which VTK's reader does not read as such.
+Result<volume::Volume> read_phases(const std::string& path) {
+  const auto file = unpacked_file(path);
+  DIAPHANE_TRY(file);
+  if (!is_nifti(*file)) {
+    return fail(ErrorCode::kUnsupported, "only NIfTI-1 files may have several phases");
+  }
+  const auto header = read_nifti_header(*file);
+  DIAPHANE_TRY(header);
+  return read_nifti_voxels(*file, *header);
+}
+
 Result<volume::Volume> read_nifti(const std::string& path) {
   vtkNew<vtkNIFTIImageReader> reader;
   DIAPHANE_TRY(Reading(reader).read(path));
-  if (reader->GetTimeDimension() > 1) {
-    return fail(ErrorCode::kUnsupported, "this is a time series, not a single volume");
-  }
+  if (reader->GetTimeDimension() > 1) return read_phases(path);
   vtkMatrix4x4* matrix =
       reader->GetSFormMatrix() != nullptr ? reader->GetSFormMatrix() : reader->GetQFormMatrix();
   Axes axes = straight(reader->GetDataSpacing());
@@ -192,7 +203,7 @@ Result<volume::Volume> read_nrrd(const std::string& path) {
 
 bool is_image_name(const std::string& path) {
   const std::string name = lower_name(path);
-  return is_meta(name) || is_nifti(name) || is_nrrd(name);
+  return is_meta(name) || is_nifti_name(name) || is_nrrd(name);
 }
 
 Result<volume::Volume> read_image(const std::string& path) {
@@ -202,7 +213,7 @@ Result<volume::Volume> read_image(const std::string& path) {
   }
   const std::string name = lower_name(path);
   if (is_meta(name)) return read_meta(path);
-  if (is_nifti(name)) return read_nifti(path);
+  if (is_nifti_name(name)) return read_nifti(path);
   if (is_nrrd(name)) return read_nrrd(path);
   return fail(ErrorCode::kUnsupported,
               "unsupported file type; use .mha, .mhd, .nii, .nii.gz or .nrrd");

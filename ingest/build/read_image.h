@@ -13,9 +13,10 @@ bool is_image_name(const std::string& path);
 /// Reads one scalar volume from a file of another format with VTK's readers, as a measured volume.
 /// Voxels become int16: integers that fit are kept, floats are rounded, and other values are
 /// scaled, with a repair note. One axis of left-handed axes is reversed, and the axes of NIfTI and
-/// NRRD are converted to LPS. Returns kNotFound if the file does not exist, kInvalid if it is
-/// damaged or not of the format in its name, kUnsupported for vectors, time series, 64-bit integers
-/// or sheared axes, and kTooLarge for more voxels than a volume may have.
+/// NRRD are converted to LPS. The volume of a NIfTI file with a time axis holds all phases. Returns
+/// kNotFound if the file does not exist, kInvalid if it is damaged or not of the format in its
+/// name, kUnsupported for vectors, 64-bit integers or sheared axes, and kTooLarge for more voxels
+/// than a volume may have.
 Result<volume::Volume> read_image(const std::string& path);
 
 }  // namespace diaphane::ingest

@@ -206,10 +206,19 @@ TEST_F(ReadImage, ReadsCompressedAndScaledNifti) {
   EXPECT_EQ(v->voxels[23], 460);
 }
 
-TEST_F(ReadImage, RefusesNiftiTimeSeries) {
-  auto v = read_image(put("a.nii", nifti({0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0}, 0, 3)));
-  ASSERT_FALSE(v.has_value());
-  EXPECT_EQ(v.error().code, ErrorCode::kUnsupported);
+TEST_F(ReadImage, ReadsThePhasesOfNiftiFilesPackedOrNot) {
+  const std::string plain = nifti({-0.5F, 0, 0, 0, 0, -0.7F, 0, 0, 0, 0, 1.5F, 0}, 0, 3);
+  const std::string packed = (folder_ / "b.nii.gz").string();
+  gzFile out = gzopen(packed.c_str(), "wb");
+  gzwrite(out, plain.data(), static_cast<unsigned>(plain.size()));
+  gzclose(out);
+  for (const std::string& path : {put("a.nii", plain), packed}) {
+    const auto v = read_image(path);
+    ASSERT_TRUE(v.has_value()) << v.error().message;
+    EXPECT_EQ(v->header.phases.size(), 3U);
+    ASSERT_EQ(v->voxels.size(), 3 * v->header.voxel_count());
+    EXPECT_EQ(v->voxels[v->header.voxel_count()], v->voxels[0]) << "every phase is the same here";
+  }
 }
 
 std::string nrrd(const std::string& space, const std::string& directions, const std::string& data,

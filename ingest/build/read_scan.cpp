@@ -17,7 +17,7 @@ Result<volume::Volume> read_scan(const std::string& path) {
     return fail(ErrorCode::kUnsupported, "the file is neither NIfTI, NRRD nor MetaImage");
   }
   if (fs::exists(fs::path(path) / "volume.json", error)) {
-    return volume::read(path, /*verify_hash=*/false);
+    return volume::read_all_phases(path, /*verify_hash=*/false);
   }
   return read_folder(path);
 }

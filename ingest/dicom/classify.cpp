@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "ingest/dicom/phases.h"
 #include "ingest/dicom/stack.h"
 #include "ingest/dicom/values.h"
 
@@ -295,7 +296,53 @@ class Judge {
     return true;
   }
 
+  /// Splits a series that repeats its positions into phases, and keeps the first of them.
+  bool one_phase() {
+    const std::vector<Indices> places = places_of(slices_, kept_, axes_);
+    const std::size_t n = kept_.size(), fewest = kFewestRepeats * places.size();
+    if (places.size() == 1 || n == places.size() || n < fewest - places.size() / 10) return true;
+    const auto& pixel = *first().pixel_spacing;
+    PhasePlan plan = split_phases(slices_, places, std::min(pixel[0], pixel[1]));
+    if (!plan.code.empty()) return refuse(plan.code.c_str(), std::move(plan.text));
+    kept_ = plan.slices.front();
+    if (!enough_slices()) return false;
+    if (plan.incomplete > 0) {
+      result_.repairs.push_back(counted(plan.incomplete, "phase was", "phases were") +
+                                " incomplete and left out");
+    }
+    if (plan.uncommon > 0) {
+      result_.repairs.push_back(counted(plan.uncommon, "slice", "slices") +
+                                " at the ends of some phases " +
+                                (plan.uncommon == 1 ? "was" : "were") +
+                                " left out, because other phases do not have them");
+    }
+    phases_ = std::move(plan.phases);
+    phase_slices_ = std::move(plan.slices);
+    return true;
+  }
+
+  /// Keeps every n-th phase so that all of them fit.
+  void thin_phases() {
+    const auto& size = result_.size;
+    const std::uint64_t one = std::uint64_t{size[0]} * size[1] * size[2];
+    const std::uint64_t most = std::min<std::uint64_t>(volume::kMostPhases, most_voxels_ / one);
+    const std::size_t all = phases_.size();
+    if (all <= most) return;
+    const std::size_t step = (all + most - 1) / most;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < all; i += step, ++kept) {
+      phases_[kept] = phases_[i];
+      phase_slices_[kept] = phase_slices_[i];
+    }
+    phases_.resize(kept);
+    phase_slices_.resize(kept);
+    result_.repairs.push_back(
+        "only " + std::to_string(kept) + " of " + std::to_string(all) +
+        " phases were kept, because all of them would be larger than allowed");
+  }
+
   bool stacked() {
+    if (!one_phase()) return false;
     std::vector<Vec3> positions;
     for (const std::size_t i : kept_) positions.push_back(*slices_[i].position);
     const auto& pixel = *first().pixel_spacing;
@@ -318,6 +365,14 @@ class Judge {
     for (const std::size_t i : stack.order) result_.order.push_back(kept_[i]);
     shape(stack, pixel, slices);
     if (!fits()) return refuse("over_quota", "The 3D image would be larger than allowed.");
+    if (!phases_.empty()) {
+      thin_phases();
+      result_.order.clear();
+      for (const Indices& phase : phase_slices_) {
+        for (const std::size_t i : stack.order) result_.order.push_back(phase[i]);
+      }
+      if (phases_.size() > 1) result_.phases = std::move(phases_);
+    }
     describe(stack);
     result_.sources = std::move(stack.sources);
     return true;
@@ -405,7 +460,9 @@ class Judge {
   std::uint64_t most_voxels_;
   Indices kept_;
   std::size_t scouts_ = 0;
-  std::size_t others_ = 0;  ///< number of slices of another size
+  std::size_t others_ = 0;             ///< number of slices of another size
+  std::vector<volume::Phase> phases_;  ///< empty: no position is repeated
+  std::vector<Indices> phase_slices_;  ///< of each phase, at the positions of `kept_`
   Axes axes_;
   Assessment result_;
 };

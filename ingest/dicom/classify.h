@@ -21,15 +21,16 @@ struct Assessment {
   std::vector<std::string> repairs;
 
   // The fields below are valid if `suitable`.
-  std::vector<std::size_t>
-      order;  ///< indices of the slices to keep, in the order of the volume's z
+  /// Indices of the slices to keep, in the order of the volume's z, phase by phase.
+  std::vector<std::size_t> order;
+  std::vector<volume::Phase> phases;  ///< as volume::Header::phases
   /// Sources of the volume's slices if they are not the slices of `order` unchanged (see
   /// Stack::sources). `corner` is where their first pixel lies in the first slice's plane, in
   /// pixels along row and column.
   std::vector<Source> sources;
   std::array<double, 2> corner{};
   double unit = 0;  ///< unit of the values if each slice has its own scale (to_values), else 0
-  std::array<std::uint32_t, 3> size{};  ///< columns, rows, slices
+  std::array<std::uint32_t, 3> size{};  ///< columns, rows, slices of one phase
   std::array<double, 3> spacing{};      ///< mm
   std::array<double, 9> direction{};    ///< as volume::Header::direction
   std::array<double, 3> origin{};       ///< mm (LPS), the centre of voxel 0, 0, 0; never stored
@@ -46,13 +47,15 @@ inline constexpr double kMostMissing = 0.05;   ///< share of interpolated slices
 inline constexpr std::size_t kLargestGap = 3;  ///< multiple of the slice distance
 inline constexpr double kMostVarying = 8;  ///< ratio of the largest to the smallest slice distance
 inline constexpr double kJitterMm = 0.01;  ///< mm; maximum distance of a slice from its place,
+/// A series that repeats positions has phases if it has nearly this many slices per position.
+inline constexpr std::size_t kFewestRepeats = 2;
 inline constexpr double kJitterShare = 0.02;  ///< or this share of the spacing if that is more
 
 /// Judges the slices of one series (one SeriesInstanceUID), in any order, and plans their volume.
 /// Order and spacing come only from positions along the normal of the slices. Refuses, with a
 /// message, anything that is not a stack of original CT, MR or PT slices, and never returns a
 /// volume whose shape could be wrong. Pure. Refuses volumes of more than `most_voxels`
-/// ("over_quota").
+/// ("over_quota"), and keeps only as many phases as fit.
 Assessment classify(const std::vector<Slice>& slices, std::uint64_t most_voxels);
 
 /// Returns "axial", "coronal", "sagittal" or "oblique" for a volume's direction.

@@ -5,8 +5,10 @@
 #include <gdcmTrace.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <istream>
 #include <streambuf>
 
@@ -90,6 +92,17 @@ std::optional<std::array<double, N>> numbers_of(const std::vector<std::string>& 
   return values;
 }
 
+/// Returns the number of an FD, FL or UL element from its bytes.
+template <typename T>
+std::optional<double> binary(std::string bytes, bool big_endian) {
+  if (bytes.size() != sizeof(T)) return std::nullopt;
+  if (big_endian) std::reverse(bytes.begin(), bytes.end());
+  T value;
+  std::memcpy(&value, bytes.data(), sizeof value);
+  if (!std::isfinite(static_cast<double>(value))) return std::nullopt;
+  return static_cast<double>(value);
+}
+
 class Elements {
  public:
   explicit Elements(const gdcm::DataSet& set) : set_(set) {}
@@ -112,6 +125,14 @@ class Elements {
   std::optional<double> first(std::uint16_t group, std::uint16_t element) const {
     const std::vector<std::string> parts = texts(group, element);
     return parts.empty() ? std::nullopt : number(parts.front());
+  }
+
+  /// Returns a binary number. GDCM has converted it to the byte order of this machine.
+  template <typename T>
+  std::optional<double> number_of(std::uint16_t group, std::uint16_t element) const {
+    const gdcm::ByteValue* value = bytes(group, element);
+    if (value == nullptr || value->GetPointer() == nullptr) return std::nullopt;
+    return binary<T>(std::string(value->GetPointer(), value->GetLength()), false);
   }
 
   /// Returns a 16-bit number. GDCM has converted it to the byte order of this machine.
@@ -175,6 +196,31 @@ std::optional<std::array<double, N>> within(std::optional<std::array<double, N>>
 constexpr double kFarthest = 1e5;  ///< mm, limit of a position
 constexpr double kFinest = 1e-4, kCoarsest = 1e3;
 
+constexpr double kMsPerSecond = 1000;
+
+std::optional<double> in_ms(std::optional<double> seconds) {
+  if (seconds) *seconds *= kMsPerSecond;
+  return seconds;
+}
+
+/// Reads what may distinguish the slice from others at its position.
+void read_moment(const Elements& in, Slice& slice) {
+  const auto either = [](std::optional<double> a, std::optional<double> b) { return a ? a : b; };
+  slice.by(Distinction::kBValue) = in.number_of<double>(0x0018, 0x9087);
+  slice.by(Distinction::kEchoTime) =
+      either(in.first(0x0018, 0x0081), in.number_of<double>(0x0018, 0x9082));
+  slice.by(Distinction::kCycle) = in.number_of<float>(0x0020, 0x9241);
+  slice.by(Distinction::kTriggerTime) =
+      either(in.first(0x0018, 0x1060), in.number_of<double>(0x0020, 0x9153));
+  slice.by(Distinction::kTimeOffset) = in_ms(in.number_of<double>(0x0020, 0x930D));
+  slice.by(Distinction::kTemporalPosition) =
+      either(in.first(0x0020, 0x0100), in.number_of<std::uint32_t>(0x0020, 0x9128));
+  // The text of a time of day sorts like its number.
+  slice.by(Distinction::kAcquisitionTime) = in.first(0x0008, 0x0032);
+  slice.by(Distinction::kContentTime) = in.first(0x0008, 0x0033);
+  slice.by(Distinction::kInstance) = in.first(0x0020, 0x0013);
+}
+
 Slice slice_of(const Elements& in) {
   Slice slice;
   slice.kind = kind_of(in.text(0x0008, 0x0016), slice.modality);
@@ -203,12 +249,40 @@ Slice slice_of(const Elements& in) {
   slice.pixel_spacing = within(in.numbers<2>(0x0028, 0x0030), kFinest, kCoarsest);
   slice.window_center = in.first(0x0028, 0x1050).value_or(0);
   slice.window_width = std::max(in.first(0x0028, 0x1051).value_or(0), 0.0);
+  read_moment(in, slice);
   return slice;
 }
 
+/// Reads what may distinguish the frame from others at its position.
+void apply_moment(const GroupedText& one, bool big_endian, Slice& slice) {
+  switch (one.tag) {
+    case 0x00189087:
+      slice.by(Distinction::kBValue) = binary<double>(one.value, big_endian);
+      break;
+    case 0x00189082:
+      slice.by(Distinction::kEchoTime) = binary<double>(one.value, big_endian);
+      break;
+    case 0x00209241:
+      slice.by(Distinction::kCycle) = binary<float>(one.value, big_endian);
+      break;
+    case 0x00209153:
+      slice.by(Distinction::kTriggerTime) = binary<double>(one.value, big_endian);
+      break;
+    case 0x0020930D:
+      slice.by(Distinction::kTimeOffset) = in_ms(binary<double>(one.value, big_endian));
+      break;
+    case 0x00209128:
+      slice.by(Distinction::kTemporalPosition) = binary<std::uint32_t>(one.value, big_endian);
+      break;
+    default:
+      break;
+  }
+}
+
 /// Applies the values of a functional group to the slice of a frame.
-void apply(const std::vector<GroupedText>& group_values, Slice& slice) {
+void apply(const std::vector<GroupedText>& group_values, bool big_endian, Slice& slice) {
   for (const GroupedText& one : group_values) {
+    apply_moment(one, big_endian, slice);
     const std::vector<std::string> parts = split(trimmed(one.value));
     const auto first = parts.empty() ? std::nullopt : number(parts.front());
     switch (one.tag) {
@@ -253,14 +327,14 @@ std::vector<Slice> frames_of(const Precheck& checked, Slice common) {
   const std::uint64_t frames = common.frames;
   common.one_of_frames = true;
   common.frames = 1;
-  apply(checked.shared, common);
+  apply(checked.shared, checked.syntax.big_endian, common);
   std::vector<Slice> slices;
   for (std::size_t i = 0; i < frames; ++i) {
     const bool silent = i < checked.each.size() && checked.each[i].empty();
     if (silent && frames > 1 && !common.position) continue;
     Slice& slice = slices.emplace_back(common);
     slice.frame = i;
-    if (i < checked.each.size()) apply(checked.each[i], slice);
+    if (i < checked.each.size()) apply(checked.each[i], checked.syntax.big_endian, slice);
   }
   return slices;
 }

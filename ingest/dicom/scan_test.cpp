@@ -141,14 +141,6 @@ TEST(Case7, RefusesDifferentSlicesWithTheSameUid) {
   EXPECT_EQ(code_of(options), "repeated_identifier");
 }
 
-TEST(Case8, RefusesTimeSeries) {
-  Options options = plain_ct();
-  std::vector<std::string> files = files_of(options);
-  const std::vector<std::string> second = files_of(options);
-  files.insert(files.end(), second.begin(), second.end());
-  EXPECT_EQ(choose(scan_of(files)).code, "time_series");
-}
-
 TEST(Case9, RefusesScout) {
   Options options = plain_ct();
   options.slices = 1;

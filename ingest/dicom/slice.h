@@ -33,6 +33,22 @@ struct Rescale {
   bool operator==(const Rescale&) const = default;
 };
 
+/// What may distinguish slices at the same position, in the order of preference. The values of the
+/// last five only give an order.
+enum class Distinction : std::size_t {
+  kBValue,       ///< s/mm²
+  kEchoTime,     ///< ms
+  kCycle,        ///< percent of a heartbeat
+  kTriggerTime,  ///< ms since the heartbeat began
+  kTimeOffset,   ///< ms
+  kTemporalPosition,
+  kImageType,
+  kAcquisitionTime,
+  kContentTime,
+  kInstance,  ///< instance number
+};
+inline constexpr std::size_t kDistinctions = 10;
+
 /// The contents of one file that a volume depends on. Identifiers only distinguish slices while a
 /// folder is read. They are never stored, logged or shown.
 struct Slice {
@@ -60,6 +76,9 @@ struct Slice {
   std::optional<std::array<double, 6>> orientation;    ///< along a row, along a column
   std::optional<std::array<double, 2>> pixel_spacing;  ///< mm between rows, between columns
   double window_center = 0, window_width = 0;          ///< in units of the values; width 0: unknown
+  std::array<std::optional<double>, kDistinctions> moment;  ///< by Distinction
+
+  std::optional<double>& by(Distinction one) { return moment[static_cast<std::size_t>(one)]; }
 
   bool is_scout() const;
 };

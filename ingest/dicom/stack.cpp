@@ -23,15 +23,9 @@ Stack refused(Stack stack, const char* code, std::string text) {
 
 /// Refuses a stack in which slices share positions.
 Stack repeated(Stack stack, std::size_t places) {
-  const std::size_t n = stack.order.size();
   if (places == 1) {
     return refused(std::move(stack), "one_position",
                    "All slices are at the same position. This is a time series, not a 3D scan.");
-  }
-  if (n >= 2 * places - places / 10) {
-    return refused(std::move(stack), "time_series",
-                   "This series contains several scans of the same region (phases, echoes or "
-                   "weightings), which is not supported.");
   }
   return refused(std::move(stack), "repeated_position",
                  "Some slices are at the same position, and it is unclear which of them to use.");

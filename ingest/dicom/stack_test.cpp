@@ -205,7 +205,7 @@ TEST(Stack, ClassifiesRepeatedPositions) {
   std::vector<Vec3> twice = stack_of(axes, 30, 1);
   const std::vector<Vec3> once = twice;
   twice.insert(twice.end(), once.begin(), once.end());
-  EXPECT_EQ(arrange(twice, axes, kPixel).code, "time_series");
+  EXPECT_EQ(arrange(twice, axes, kPixel).code, "repeated_position");
   std::vector<Vec3> some = once;
   some.push_back(once[4]);
   EXPECT_EQ(arrange(some, axes, kPixel).code, "repeated_position");

@@ -16,11 +16,12 @@ constexpr std::uint32_t kModalityLookupTable = 0x00283000;
 constexpr std::uint32_t kExtendedOffsets = 0x7FE00001;
 
 /// Tags of all elements that are read (dicom/slice.h), sorted for a binary search.
-constexpr std::array<std::uint32_t, 28> kNeeded{
-    0x00080008, 0x00080016, 0x00080018, 0x00080060, 0x00100010, 0x00100020, 0x0020000E,
-    0x00200032, 0x00200037, 0x00200052, 0x00280002, 0x00280004, 0x00280006, 0x00280008,
-    0x00280010, 0x00280011, 0x00280030, 0x00280100, 0x00280101, 0x00280102, 0x00280103,
-    0x00280120, 0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053, 0x00282110};
+constexpr std::array<std::uint32_t, 40> kNeeded{
+    0x00080008, 0x00080016, 0x00080018, 0x00080032, 0x00080033, 0x00080060, 0x00100010, 0x00100020,
+    0x00180081, 0x00181060, 0x00189082, 0x00189087, 0x0020000E, 0x00200013, 0x00200032, 0x00200037,
+    0x00200052, 0x00200100, 0x00209128, 0x00209153, 0x00209241, 0x0020930D, 0x00280002, 0x00280004,
+    0x00280006, 0x00280008, 0x00280010, 0x00280011, 0x00280030, 0x00280100, 0x00280101, 0x00280102,
+    0x00280103, 0x00280120, 0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053, 0x00282110};
 constexpr std::uint32_t kLongestNeeded = 1024;
 
 /// Elements of functional groups that are read, each with the only group in which it is read.
@@ -29,7 +30,7 @@ constexpr std::uint32_t kFrameGroups = 0x52009230;
 struct Grouped {
   std::uint32_t group, tag;
 };
-constexpr std::array<Grouped, 11> kGrouped{{
+constexpr std::array<Grouped, 17> kGrouped{{
     {0x00209113, 0x00200032},  // plane position
     {0x00209116, 0x00200037},  // plane orientation
     {0x00289110, 0x00280030},  // pixel measures
@@ -41,7 +42,30 @@ constexpr std::array<Grouped, 11> kGrouped{{
     {0x00189329, 0x00089007},  // frame type, of CT
     {0x00189226, 0x00089007},  // frame type, of MR
     {0x00189751, 0x00089007},  // frame type, of PET
+    {0x00209111, 0x00209128},  // frame content: temporal position
+    {0x00209310, 0x0020930D},  // temporal position: time offset
+    {0x00189118, 0x00209153},  // cardiac synchronisation: trigger delay
+    {0x00189118, 0x00209241},  // cardiac synchronisation: percentage of the phase
+    {0x00189114, 0x00189082},  // MR echo: effective echo time
+    {0x00189117, 0x00189087},  // MR diffusion: b-value
 }};
+
+/// Returns the bytes of an element that distinguishes phases by one binary number (FD, FL or UL),
+/// or 0. Such an element is left out if it has another length.
+std::uint32_t binary_width(std::uint32_t tag) {
+  switch (tag) {
+    case 0x00189082:
+    case 0x00189087:
+    case 0x00209153:
+    case 0x0020930D:
+      return 8;
+    case 0x00209128:
+    case 0x00209241:
+      return 4;
+    default:
+      return 0;
+  }
+}
 
 /// Thrown only within this file to leave the recursion. walk() converts it to a result.
 struct Stop {
@@ -237,6 +261,7 @@ class Walker {
     if (e.tag == kExtendedOffsets && is_plain) result_.long_offsets = {e.tag, at_ - e.length, at_};
     if (!std::binary_search(kNeeded.begin(), kNeeded.end(), e.tag)) return;
     if (!is_plain || e.length > kLongestNeeded) damaged("an element has an unexpected form");
+    if (const std::uint32_t width = binary_width(e.tag); width > 0 && e.length != width) return;
     result_.kept.push_back({e.tag, begin, at_});
     switch (e.tag) {
       case 0x00280002:

@@ -47,6 +47,9 @@ Result<void> export_scan(const volume::Volume& volume, const ExportOrder& order,
     }
     return write_nifti(volume.header, volume.voxels, order.format == ExportFormat::kNiftiGz, sink);
   }
+  if (order.above && volume.voxels.size() != volume.header.voxel_count()) {
+    return fail(ErrorCode::kInternal, "a surface is that of one phase");
+  }
   const auto inside = inside_of(volume, order);
   DIAPHANE_TRY(inside);
   const auto mesh = make_surface(volume, *inside, limits);

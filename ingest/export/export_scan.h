@@ -23,9 +23,11 @@ struct ExportOrder {
   ExportFormat format = ExportFormat::kNiftiGz;
   std::optional<std::uint32_t> label;  ///< number of a label (LabelEntry::number)
   std::optional<std::int32_t> above;   ///< smallest value of an enclosed voxel
+  std::uint32_t phase = 0;             ///< of the scan, for `above`
 };
 
-/// Writes the file. Returns kInvalid with what is wrong with the order, the errors of write_nifti()
+/// Writes the file. NIfTI needs a volume with all phases, and a surface one with a single phase.
+/// Returns kInvalid with what is wrong with the order, the errors of write_nifti()
 /// and make_surface(), or those of `sink`.
 Result<void> export_scan(const volume::Volume& volume, const ExportOrder& order,
                          const SurfaceLimits& limits, const Sink& sink);

@@ -85,13 +85,35 @@ void put_placement(const volume::Header& header, HeaderBytes& out) {
   }
 }
 
+/// The fourth axis of a scan with phases.
+struct TimeAxis {
+  float step = 1;
+  std::uint8_t unit = 0;  ///< 0: unknown
+};
+
+/// NIfTI only has even steps of time. Phases of other kinds get the step 1 without a unit.
+TimeAxis time_axis_of(const volume::Header& header) {
+  constexpr std::uint8_t kMilliseconds = 16;
+  constexpr double kNegligible = 0.01;  // of a step
+  const auto& phases = header.phases;
+  if (phases.empty() || phases.front().kind != volume::PhaseKind::kTime) return {};
+  const double step =
+      (phases.back().value - phases.front().value) / static_cast<double>(phases.size() - 1);
+  for (std::size_t i = 0; i < phases.size(); ++i) {
+    const double even = phases.front().value + static_cast<double>(i) * step;
+    if (!(step > 0) || std::abs(phases[i].value - even) > kNegligible * step) return {};
+  }
+  return {static_cast<float>(step), kMilliseconds};
+}
+
 HeaderBytes header_of(const volume::Header& header) {
   constexpr std::size_t kDim = 40, kDataType = 70, kBitPix = 72, kPixDim = 76, kVoxOffset = 108,
                         kSlope = 112, kUnits = 123, kCalMax = 124, kCalMin = 128, kIntentName = 328,
                         kMagic = 344;
   HeaderBytes out;
   out.put<std::int32_t>(0, 348);
-  out.put<std::int16_t>(kDim, 3);
+  const TimeAxis time = time_axis_of(header);
+  out.put<std::int16_t>(kDim, header.phases.empty() ? 3 : 4);
   // The determinant of the axes is positive, so the factor of the third one (pixdim[0]) is 1.
   out.put<float>(kPixDim, 1);
   for (std::size_t i = 0; i < 7; ++i) {
@@ -99,13 +121,17 @@ HeaderBytes header_of(const volume::Header& header) {
     out.put(kDim + 2 * (i + 1), static_cast<std::int16_t>(spatial ? header.size[i] : 1));
     out.put(kPixDim + 4 * (i + 1), spatial ? static_cast<float>(header.spacing[i]) : 0.0F);
   }
+  if (!header.phases.empty()) {
+    out.put(kDim + 8, static_cast<std::int16_t>(header.phases.size()));
+    out.put(kPixDim + 16, time.step);
+  }
   constexpr std::int16_t kInt16 = 4;
   constexpr std::uint8_t kMillimetres = 2;
   out.put<std::int16_t>(kDataType, kInt16);
   out.put<std::int16_t>(kBitPix, 16);
   out.put<float>(kVoxOffset, kVoxelsBegin);
   out.put<float>(kSlope, 1);
-  out.put<std::uint8_t>(kUnits, kMillimetres);
+  out.put<std::uint8_t>(kUnits, kMillimetres | time.unit);
   if (header.window_width > 0) {
     const double half = header.window_width / 2;
     out.put(kCalMax, static_cast<float>(header.window_center + half));

@@ -22,7 +22,7 @@ volume::Header small_header() {
 }
 
 std::vector<std::int16_t> numbered_voxels(const volume::Header& header) {
-  std::vector<std::int16_t> voxels(header.voxel_count());
+  std::vector<std::int16_t> voxels(header.total_voxel_count());
   for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<std::int16_t>(i * 997);
   return voxels;
 }
@@ -110,6 +110,24 @@ TEST(NiftiWriter, CentresScanOfUnknownPosition) {
   const auto read = read_nifti_header(bytes_of(written(header)));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->origin, (std::array<double, 3>{-0.5, -1.125, -4}));
+}
+
+TEST(NiftiWriter, WritesPhasesAsTheFourthAxis) {
+  auto header = small_header();
+  using volume::PhaseKind;
+  header.phases = {{PhaseKind::kTime, 0}, {PhaseKind::kTime, 40}, {PhaseKind::kTime, 80}};
+  const std::string file = written(header);
+  const auto read = read_nifti_header(bytes_of(file));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->phases, header.phases);
+  const auto voxels = read_nifti_voxels(bytes_of(file), *read);
+  ASSERT_TRUE(voxels);
+  EXPECT_EQ(voxels->voxels, numbered_voxels(header));
+  // Uneven times and other kinds have no unit in this format.
+  header.phases[1].value = 50;
+  EXPECT_EQ(read_nifti_header(bytes_of(written(header)))->phases.at(1).kind, PhaseKind::kIndex);
+  header.phases = {{PhaseKind::kCycle, 0}, {PhaseKind::kCycle, 50}};
+  EXPECT_EQ(read_nifti_header(bytes_of(written(header)))->phases.at(1).kind, PhaseKind::kIndex);
 }
 
 TEST(NiftiWriter, RefusesAxisLongerThanTheFormatAllows) {

@@ -102,6 +102,9 @@ Result<void> take_labels_of(Bytes voxels, const NiftiHeader& header, LabelImage&
 Result<LabelImage> read_nifti_labels(Bytes file, const LabelLimits& limits) {
   const auto header = read_nifti_header(file);
   DIAPHANE_TRY(header);
+  if (!header->phases.empty()) {
+    return fail(ErrorCode::kUnsupported, "labels apply to all phases, so their file has only one");
+  }
   const auto& size = header->size;
   const std::uint64_t count = std::uint64_t{size[0]} * size[1] * size[2];
   if (count > limits.voxels) {

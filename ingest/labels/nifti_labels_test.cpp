@@ -239,6 +239,21 @@ TEST(NiftiLabels, RefusesOtherVolumesThanLabels) {
   EXPECT_EQ(refusal([&n](const Place&) { return ++n; }), ErrorCode::kTooLarge);
 }
 
+TEST(NiftiLabels, RefusesSeveralPhases) {
+  Nifti file = stored({0, 1, 2}, 0);
+  const volume::Volume scan =
+      scan_from(file.fill([](const Place& p) { return p[0] + 100; }), "labels-phases.nii");
+  file.fill(structure_at);
+  const std::vector<float> once = file.voxels;
+  file.voxels.insert(file.voxels.end(), once.begin(), once.end());
+  std::string bytes = file.bytes();
+  bytes[40] = 4;  // dimensions
+  bytes[48] = 2;  // phases
+  const auto refused = labels_of(bytes, scan.header);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
+}
+
 TEST(NiftiLabels, CompressedFilesAreLimited) {
   Nifti file = stored({0, 1, 2}, 0);
   const volume::Volume scan =

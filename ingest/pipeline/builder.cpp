@@ -46,19 +46,6 @@ int unnamed_file(const std::string& directory) {
   return named;
 }
 
-/// Reads from an offset, because the child left that of the file at the end.
-bool read_at(int fd, off_t at, char* data, std::size_t bytes) {
-  while (bytes > 0) {
-    const ssize_t got = pread(fd, data, bytes, at);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    data += got;
-    at += got;
-    bytes -= static_cast<std::size_t>(got);
-  }
-  return true;
-}
-
 Verdict unsafe() { return refused("unreadable", "This upload could not be read safely."); }
 
 Verdict verdict_of(const ChildEnd& end) {
@@ -83,7 +70,7 @@ Verdict verdict_of(const ChildEnd& end) {
 /// value range are checked and measured on the actual voxels, and the labels are checked.
 Result<void> take_volume(int fd, std::uint64_t most_voxels, Build& build) {
   build.volume.header = std::move(build.verdict.header);
-  const std::uint64_t count = build.volume.header.voxel_count();
+  const std::uint64_t count = build.volume.header.total_voxel_count();
   struct stat info {};
   if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "cannot read the voxels back");
   const std::uint64_t bytes = count * sizeof(std::int16_t);
@@ -100,8 +87,8 @@ Result<void> take_volume(int fd, std::uint64_t most_voxels, Build& build) {
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kOutOfMemory, "not enough memory for the volume");
   }
-  if (!read_at(fd, 0, reinterpret_cast<char*>(build.volume.voxels.data()), bytes) ||
-      !read_at(fd, static_cast<off_t>(bytes), labels.data(), labels.size())) {
+  if (!read_all_at(fd, 0, build.volume.voxels.data(), bytes) ||
+      !read_all_at(fd, bytes, labels.data(), labels.size())) {
     return fail(ErrorCode::kInternal, "cannot read the voxels back");
   }
   if (!volume::check_labels(labels, build.volume.header.size)) {
@@ -131,7 +118,7 @@ Result<void> take_labels(int fd, const volume::Header& scan, Build& build) {
   }
   try {
     build.labels.resize(written);
-    if (!read_at(fd, 0, build.labels.data(), build.labels.size())) {
+    if (!read_all_at(fd, 0, build.labels.data(), build.labels.size())) {
       return fail(ErrorCode::kInternal, "cannot read the labels back");
     }
     auto set = volume::decode_label_set(build.labels, scan.size);
@@ -277,8 +264,8 @@ Result<Build> SandboxBuilder::cut(const CutInput& order, const ShouldContinue& s
   const Fd input(open(voxels.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!input) return fail(ErrorCode::kUnavailable, "cannot open the stored voxels");
   if (const auto plan = volume::plan_cut(order.header, order.region)) {
-    const std::uint64_t bytes =
-        std::uint64_t{plan->size[0]} * plan->size[1] * plan->size[2] * sizeof(std::int16_t);
+    const std::uint64_t bytes = std::uint64_t{plan->size[0]} * plan->size[1] * plan->size[2] *
+                                order.header.phase_count() * sizeof(std::int16_t);
     if (bytes > room_bytes()) return no_room();
   }
   return run(input.get(), kCutChildWord, {*std::move(header), volume::to_json(order.region)},
@@ -321,7 +308,7 @@ Result<Build> SandboxBuilder::export_scan(const ExportInput& input,
   const std::uint64_t room =
       std::min(free_bytes(options_.scratch_dir, options_.reserve_mb * kMb),
                free_bytes(input.path.substr(0, input.path.rfind('/')), options_.reserve_mb * kMb));
-  if (input.header.voxel_count() * sizeof(std::int16_t) > room) return no_room();
+  if (input.header.total_voxel_count() * sizeof(std::int16_t) > room) return no_room();
   return run(
       file.get(), kExportChildWord, {*std::move(header), to_text(input.order)},
       [&](int output, Build& build) {

@@ -91,7 +91,8 @@ Verdict refusal_of(const Error& error) {
 }
 
 std::uint64_t volume_bytes(const dicom::Assessment& found) {
-  return std::uint64_t{found.size[0]} * found.size[1] * found.size[2] * sizeof(std::int16_t);
+  return std::uint64_t{found.size[0]} * found.size[1] * found.size[2] *
+         std::max<std::size_t>(found.phases.size(), 1) * sizeof(std::int16_t);
 }
 
 /// Returns an exit code if a volume of `bytes` must not be built now. Otherwise returns 0, with a
@@ -126,7 +127,8 @@ int build_nifti(std::span<const std::byte> file, const dicom::ScanLimits& limits
   };
   if (!header) return refuse(refusal_of(header.error()));
   const auto& size = header->size;
-  const std::uint64_t voxels = std::uint64_t{size[0]} * size[1] * size[2];
+  const std::uint64_t voxels =
+      std::uint64_t{size[0]} * size[1] * size[2] * std::max<std::size_t>(header->phases.size(), 1);
   if (const std::uint32_t fewest = std::min({size[0], size[1], size[2]}); fewest < kFewestSlices) {
     return refuse(refused("too_few_slices", "This scan has only " + std::to_string(fewest) +
                                                 " slices, and at least 16 are needed."));

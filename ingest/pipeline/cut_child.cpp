@@ -44,18 +44,22 @@ int cut(const std::string& header_text, const std::string& region_text, Verdict&
   std::vector<std::int16_t> from(std::size_t{header->size[0]} * header->size[1]);
   volume::Volume left;
   left.header = volume::after(*header, *plan);
-  left.voxels.resize(left.header.voxel_count());
+  left.voxels.resize(left.header.total_voxel_count());
   const std::size_t slice = std::size_t{plan->size[0]} * plan->size[1];
-  const auto begin = static_cast<off_t>(plan->low[2] * from.size() * sizeof(std::int16_t));
-  if (lseek(kChildInput, begin, SEEK_SET) != begin) {
-    return kChildDiskFails;
-  }
-  for (std::uint32_t z = 0; z < plan->size[2]; ++z) {
+  const std::size_t slices = plan->size[2] * left.header.phase_count();
+  for (std::size_t k = 0; k < slices; ++k) {
+    const auto z = static_cast<std::uint32_t>(k % plan->size[2]);
+    if (z == 0) {
+      const std::size_t phase = k / plan->size[2];
+      const auto begin = static_cast<off_t>((phase * header->size[2] + plan->low[2]) * from.size() *
+                                            sizeof(std::int16_t));
+      if (lseek(kChildInput, begin, SEEK_SET) != begin) return kChildDiskFails;
+    }
     const Got got = read_slice(from);
     if (got == Got::kDiskFails) return kChildDiskFails;
     if (got == Got::kTooLittle) return refuse("damaged", "The stored scan cannot be read.");
     volume::cut_slice(*header, *region, *plan, z, from,
-                      std::span(left.voxels).subspan(z * slice, slice));
+                      std::span(left.voxels).subspan(k * slice, slice));
   }
   // write_output() computes new labels, because the old ones show the shape of what was removed.
   volume::measure(left);

@@ -62,12 +62,12 @@ void Worker::work_cut(const Job& job) {
 void Worker::finish_cut(const Job& job, const volume::Volume& volume) {
   const volume::Header& header = volume.header;
   const std::string head = to_json(find_head(volume));
-  const std::uint64_t bytes = header.voxel_count() * sizeof(std::int16_t);
+  const std::uint64_t bytes = header.total_voxel_count() * sizeof(std::int16_t);
   const auto hold = insist([&] { return jobs_.finish_cut(job, header, bytes, head); });
   if (!hold) return;  // stopping while Postgres is unavailable; the job is resumed later
   if (*hold == Hold::kDeleted) return discard_volume(job);
   if (*hold == Hold::kLost) return;
-  log::info("cut_done", {{"data_set", job.data_set_id}, {"voxels", header.voxel_count()}});
+  log::info("cut_done", {{"data_set", job.data_set_id}, {"voxels", header.total_voxel_count()}});
   events_.done("cut");
 }
 

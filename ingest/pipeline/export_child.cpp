@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <optional>
 #include <vector>
 
 #include "common/sandbox/supervisor.h"
@@ -45,8 +46,13 @@ Result<volume::LabelSet> brain_of(const std::string& encoded, const volume::Head
 
 enum class Got { kAll, kDamaged, kDiskFails };
 
-Got read_voxels(volume::Volume& scan) {
-  scan.voxels.resize(scan.header.voxel_count());
+/// Reads one phase, or all of them.
+Got read_voxels(volume::Volume& scan, std::optional<std::uint32_t> phase) {
+  const std::uint64_t count = scan.header.voxel_count();
+  scan.voxels.resize(phase ? count : scan.header.total_voxel_count());
+  scan.phase = phase.value_or(0);
+  const auto begin = static_cast<off_t>(count * scan.phase * sizeof(std::int16_t));
+  if (lseek(kChildInput, begin, SEEK_SET) != begin) return Got::kDiskFails;
   const std::size_t bytes = scan.voxels.size() * sizeof(std::int16_t);
   const auto got = read_input(reinterpret_cast<char*>(scan.voxels.data()), bytes);
   if (!got) return Got::kDiskFails;
@@ -88,7 +94,12 @@ int run_export(const std::string& header_text, const std::string& order_text, Ve
   }
   volume::Volume scan;
   scan.header = *std::move(header);
-  const Got got = order->label ? read_labels(scan, *order->label) : read_voxels(scan);
+  if (const auto known = volume::check_phase(scan.header, order->phase); !known) {
+    verdict = refused("nothing_inside", "This export is not possible: the scan has no such phase.");
+    return 0;
+  }
+  const auto phase = order->above ? std::optional(order->phase) : std::nullopt;
+  const Got got = order->label ? read_labels(scan, *order->label) : read_voxels(scan, phase);
   if (got == Got::kDiskFails) return kChildDiskFails;
   if (got == Got::kDamaged) {
     verdict = refused("damaged", "The stored scan cannot be read.");

@@ -33,6 +33,7 @@ ExportJob job_of(const pqxx::row& row) {
   job.order.format = format_of(row["format"].as<std::string>()).value_or(ExportFormat::kNiftiGz);
   if (!row["label"].is_null()) job.order.label = row["label"].as<std::uint32_t>();
   if (!row["above"].is_null()) job.order.above = row["above"].as<std::int32_t>();
+  job.order.phase = row["phase"].as<std::uint32_t>();
   job.attempts = row["attempts"].as<int>();
   job.waits = row["waits"].as<int>();
   return job;
@@ -47,6 +48,7 @@ std::string to_text(const ExportOrder& order) {
   }
   if (order.label) json["label"] = *order.label;
   if (order.above) json["above"] = *order.above;
+  if (order.phase > 0) json["phase"] = order.phase;
   return json.dump();
 }
 
@@ -56,9 +58,11 @@ std::optional<ExportOrder> export_order_of(const std::string& text) {
     return std::nullopt;
   const auto format = format_of(json["format"].get<std::string>());
   if (!format) return std::nullopt;
-  ExportOrder order{*format, {}, {}};
+  ExportOrder order;
+  order.format = *format;
   if (json.contains("label")) order.label = json["label"].get<std::uint32_t>();
   if (json.contains("above")) order.above = json["above"].get<std::int32_t>();
+  order.phase = json.value("phase", 0U);
   return order;
 }
 
@@ -89,7 +93,7 @@ Result<std::optional<ExportJob>> PostgresExports::claim() {
         UPDATE scan_exports e
            SET leased_by = $1, leased_until = now() + make_interval(secs => $2), attempts = attempts + 1
           FROM next WHERE e.id = next.id
-        RETURNING e.id, e.data_set_id, e.format, e.label, e.above, e.attempts - 1 AS attempts, e.waits)sql",
+        RETURNING e.id, e.data_set_id, e.format, e.label, e.above, e.phase, e.attempts - 1 AS attempts, e.waits)sql",
         impl_->claimer, impl_->lease_seconds);
     if (rows.empty()) return std::nullopt;
     return job_of(rows[0]);

@@ -213,12 +213,13 @@ TEST_F(ExportWorkerTest, FailsWithoutAVolume) {
 TEST(ExportOrder, SurvivesItsText) {
   for (const ExportOrder& order : {ExportOrder{ExportFormat::kNiftiGz, {}, {}},
                                    ExportOrder{ExportFormat::kStl, 4294967044U, {}},
-                                   ExportOrder{ExportFormat::kGlb, {}, -300}}) {
+                                   ExportOrder{ExportFormat::kGlb, {}, -300, 7}}) {
     const auto read = export_order_of(to_text(order));
     ASSERT_TRUE(read);
     EXPECT_EQ(read->format, order.format);
     EXPECT_EQ(read->label, order.label);
     EXPECT_EQ(read->above, order.above);
+    EXPECT_EQ(read->phase, order.phase);
   }
   EXPECT_FALSE(export_order_of("{}"));
   EXPECT_FALSE(export_order_of(R"({"format":"obj"})"));

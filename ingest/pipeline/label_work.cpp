@@ -33,7 +33,7 @@ void Worker::work_labels(const Job& job) {
                          "The upload is no longer available. Please upload the labels again.");
   }
   if (!build->verdict.ready) return refuse_labels(job, build->verdict.code, build->verdict.text);
-  const std::uint64_t voxel_bytes = header->voxel_count() * sizeof(std::int16_t);
+  const std::uint64_t voxel_bytes = header->total_voxel_count() * sizeof(std::int16_t);
   if (job.quota_left && voxel_bytes + build->labels.size() > *job.quota_left) {
     return refuse_labels(job, "over_quota",
                          "Your storage has no room for these labels. Delete other scans, then add "

@@ -286,12 +286,13 @@ Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& he
            SET state = 'ready', refusal_code = NULL, refusal_text = NULL, modality = $2,
                size_x = $3, size_y = $4, size_z = $5,
                spacing_x = $6, spacing_y = $7, spacing_z = $8,
-               repairs = $9::text[], volume_bytes = $10, head = $11::jsonb, updated_at = now()
+               repairs = $9::text[], volume_bytes = $10, head = $11::jsonb, phases = $12,
+               updated_at = now()
          WHERE id = $1)sql",
         job.data_set_id, volume::name_of(header.modality), static_cast<int>(header.size[0]),
         static_cast<int>(header.size[1]), static_cast<int>(header.size[2]), header.spacing[0],
         header.spacing[1], header.spacing[2], array_of(header.repairs),
-        static_cast<std::int64_t>(bytes), head);
+        static_cast<std::int64_t>(bytes), head, static_cast<int>(header.phase_count()));
     return hold;
   });
 }
@@ -358,7 +359,7 @@ Result<Hold> PostgresJobs::finish_cut(const Job& job, const volume::Header& head
         VALUES (now(), CASE WHEN $1::uuid IS NULL THEN 'machine' ELSE 'person' END, $1::uuid,
                 'data-set.anonymised', 'data_set', $2::uuid, jsonb_build_object('voxels', $3::bigint)))sql",
         row["asked_by"].is_null() ? nullptr : row["asked_by"].c_str(), job.data_set_id,
-        static_cast<std::int64_t>(header.voxel_count()));
+        static_cast<std::int64_t>(header.total_voxel_count()));
     return hold;
   });
 }

@@ -233,7 +233,7 @@ void Worker::finish(const Job& job, Build& build) {
   }
   log::info("ingest_done", {{"data_set", job.data_set_id},
                             {"result", verdict.ready ? "ready" : verdict.code},
-                            {"voxels", build.volume.header.voxel_count()},
+                            {"voxels", build.volume.header.total_voxel_count()},
                             {"seconds", build.seconds},
                             {"peak_mb", static_cast<double>(build.peak_bytes) / (1 << 20)}});
   events_.done(verdict.ready ? "ready" : verdict.code);

@@ -214,10 +214,12 @@ Result<Rendered> render(const Options& options) {
   // seconds.
   auto engine = make_engine(options.engine, options.threads);
   if (!engine) return tl::make_unexpected(engine.error());
-  auto input = read_input(options.input);
-  if (!input) return tl::make_unexpected(input.error());
   const auto given = scene_from_file(options);
   if (!given) return tl::make_unexpected(given.error());
+  const std::uint32_t of_scene = *given ? (*given)->volume_phase() : 0;
+  auto input =
+      read_input(options.input, {options.phase.value_or(of_scene), options.phase.has_value()});
+  if (!input) return tl::make_unexpected(input.error());
   if (!options.show_table && !(*given && (*given)->show_table())) {
     if (const auto hidden = show_only_body(*input); !hidden) {
       return tl::make_unexpected(hidden.error());

@@ -187,6 +187,9 @@ void add_input(::CLI::App& app, Options& options, Texts& texts) {
                  "panorama (.hdr or .exr, at most 4 MB) that lights the picture instead of the "
                  "lights of the scene or preset")
       ->type_name("FILE");
+  app.add_option("--phase", options.phase,
+                 "phase of a scan with several, counted from 0 (default: that of the scene, or 0)")
+      ->type_name("N");
   app.add_option("--size", texts.size, "size of the picture in pixels (default: 512x512)")
       ->type_name("WxH")
       ->check([&options](const std::string& text) { return parse_size(text, options.canvas); }, "");

@@ -28,9 +28,10 @@ struct Options {
   std::string input;
   std::string scene_file;  ///< excludes `preset`
   std::string preset;
-  std::string environment;          ///< panorama that replaces the lights; empty: none
-  std::string label_file;           ///< empty: none
-  std::vector<LabelOption> labels;  ///< requires `label_file`
+  std::string environment;             ///< panorama that replaces the lights; empty: none
+  std::optional<std::uint32_t> phase;  ///< overrides the scene's
+  std::string label_file;              ///< empty: none
+  std::vector<LabelOption> labels;     ///< requires `label_file`
   /// Centre and radius of the sphere that is highlighted, mm.
   std::optional<std::array<double, 4>> highlight;
   Canvas canvas{512, 512};

@@ -48,14 +48,15 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     const auto written = volume::to_json(*header);
     MUST(written.has_value());
     const auto again = volume::from_json(*written);
-    MUST(again.has_value() && again->size == header->size && again->repairs == header->repairs);
+    MUST(again.has_value() && again->size == header->size && again->repairs == header->repairs &&
+         again->phases == header->phases);
   }
   put(folder() + "/volume.json", data, text.size());
   const unsigned char* voxels = gap == end ? end : gap + 1;
   put(folder() + "/voxels.i16", voxels, static_cast<std::size_t>(end - voxels));
-  const auto whole = volume::read(folder(), size % 2 == 0);
+  const auto whole = volume::read_all_phases(folder(), size % 2 == 0);
   if (whole) {
-    MUST(whole->voxels.size() == whole->header.voxel_count());
+    MUST(whole->voxels.size() == whole->header.total_voxel_count());
     MUST(whole->voxels.size() * 2 == static_cast<std::size_t>(end - voxels));
   } else {
     MUST(!whole.error().message.empty());

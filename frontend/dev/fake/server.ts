@@ -53,6 +53,7 @@ const base = {
 const volume = {
   modality: "CT" as const,
   size: [256, 256, 108] as const,
+  phases: 1,
   spacing_mm: [0.957, 0.957, 1.5] as const,
   bytes: 14e6,
   repairs: [],

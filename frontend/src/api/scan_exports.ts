@@ -8,6 +8,8 @@ export interface ScanExportOrder {
   readonly format: ScanFormat;
   readonly label?: number;
   readonly above?: number;
+  /** The phase of the scan for `above`, from 0. */
+  readonly phase?: number;
 }
 
 /** The export of a scan that this user has requested. There is at most one. */
@@ -15,6 +17,7 @@ export interface ScanExport extends Export {
   readonly format: ScanFormat;
   readonly label: number | null;
   readonly above: number | null;
+  readonly phase: number;
   /** Why it failed. */
   readonly problem: { readonly code: string; readonly text: string } | null;
 }

@@ -134,6 +134,8 @@ export interface DataSet {
   readonly volume: {
     readonly modality: "CT" | "MR" | "PT" | "OTHER";
     readonly size: readonly [number, number, number];
+    /** Number of times, echoes or b-values that the scan shows. */
+    readonly phases: number;
     readonly spacing_mm: readonly [number, number, number];
     readonly bytes: number;
     readonly repairs: readonly string[];

@@ -24,6 +24,8 @@ const keptTags: Readonly<
     | "rescale_type"
     | "lossy"
     | "offsets"
+    | "count"
+    | "float"
     | "frame"
   >
 > = {
@@ -34,6 +36,7 @@ const keptTags: Readonly<
   x00180081: "number",
   x00180086: "number",
   x00181060: "number",
+  x00189082: "number",
   x00189087: "number",
   x00200012: "number",
   x00200013: "number",
@@ -41,6 +44,10 @@ const keptTags: Readonly<
   x00200037: "number",
   x00200052: "frame",
   x00200100: "number",
+  x00209128: "count",
+  x00209153: "number",
+  x00209241: "float",
+  x0020930d: "number",
   x00280002: "us",
   x00280004: "photometric",
   x00280006: "us",
@@ -108,6 +115,7 @@ export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptEle
   const text = String.fromCharCode(...bytes).replace(/[\0 ]+$/, "");
   switch (kind) {
     case "number":
+      if (doubleTags.has(tag)) return bytes.length === 8 ? { tag, vr: "FD", bytes: plain() } : null;
       if (vr === "FD" || vr === "FL") return { tag, vr, bytes: plain() };
       return /^[-+0-9.eE \\]*$/.test(text) ? { tag, vr: numberVr(tag), bytes: plain() } : null;
     case "image_type": {
@@ -120,6 +128,10 @@ export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptEle
       return /^MONOCHROME[12]$/.test(text) ? coded(tag, "CS", text) : null;
     case "rescale_type":
       return /^(HU|US|BQML|SUV)$/.test(text) ? coded(tag, "LO", text) : null;
+    case "float":
+      return bytes.length === 4 ? { tag, vr: "FL", bytes: plain() } : null;
+    case "count":
+      return bytes.length === 4 ? { tag, vr: "UL", bytes: plain() } : null;
     case "offsets":
       return bytes.length % 8 === 0 ? { tag, vr: "OV", bytes: plain() } : null;
     case "lossy":
@@ -131,6 +143,8 @@ export function keptElement(tag: string, vr: string, bytes: Uint8Array): KeptEle
   }
 }
 
+/** Tags with one binary number (FD), whose representation implicit files do not state. */
+const doubleTags = new Set(["x00189082", "x00189087", "x00209153", "x0020930d"]);
 /** Tags with integer strings (IS). All other numbers here are decimal strings (DS). */
 const integerTags = new Set(["x00180086", "x00200012", "x00200013", "x00200100", "x00280008", "x00280034"]);
 const numberVr = (tag: string) => (integerTags.has(tag) ? "IS" : "DS");
@@ -143,9 +157,13 @@ function coded(tag: string, vr: string, text: string): KeptElement {
 
 /** The elements of each functional group of an enhanced file that may be sent. */
 export const groupedTags: Readonly<Record<string, readonly string[]>> = {
-  x00209111: ["x00209056"],
+  x00189114: ["x00189082"],
+  x00189117: ["x00189087"],
+  x00189118: ["x00209153", "x00209241"],
+  x00209111: ["x00209056", "x00209128"],
   x00209113: ["x00200032"],
   x00209116: ["x00200037"],
+  x00209310: ["x0020930d"],
   x00289110: ["x00280030"],
   x00289132: ["x00281050", "x00281051"],
   x00289145: ["x00281052", "x00281053"],
@@ -171,6 +189,19 @@ export function groupedElement(group: string, tag: string, bytes: Uint8Array): G
 
 const bigEndian = "1.2.840.10008.1.2.2";
 const implicitLittle = "1.2.840.10008.1.2";
+
+/** Returns the slice with TemporalPositionIdentifier, or TemporalPositionIndex in an enhanced file. */
+export function withTemporalPosition(slice: SliceHeader, position: number): SliceHeader {
+  if (slice.stack === "") {
+    const tag = "x00200100";
+    return { ...slice, kept: [...slice.kept.filter((one) => one.tag !== tag), coded(tag, "IS", String(position))] };
+  }
+  const tag = "x00209128";
+  const bytes = new Uint8Array(4);
+  new DataView(bytes.buffer).setUint32(0, position, slice.transferSyntax !== bigEndian);
+  const own = { tag, vr: "UL", bytes, group: "x00209111" };
+  return { ...slice, grouped: [...slice.grouped.filter((one) => one.tag !== tag), own] };
+}
 
 /** Returns the parts to upload for the chosen slices, one per file, in the order of each file's first slice. */
 export function uploadParts(slices: readonly SliceHeader[]): UploadPart[] {

@@ -21,6 +21,22 @@ describe("the corrections of a scan", () => {
     expect(correctionsOf(["1 file was damaged and left out"])).toEqual(["damaged"]);
     expect(correctionsOf(["each slice had a scale of its own; all were brought to one scale"])).toEqual(["brightness"]);
     expect(correctionsOf(["the negative was inverted"])).toEqual(["negative"]);
+    expect(correctionsOf(["1 phase was incomplete and left out"])).toEqual(["phases"]);
+    expect(
+      correctionsOf(["3 slices at the ends of some phases were left out, because other phases do not have them"]),
+    ).toEqual(["phases"]);
+  });
+  it("say which phases were left out", () => {
+    expect(noteOf("2 phases were incomplete and left out")).toEqual({ kind: "incomplete", count: 2 });
+    expect(noteOf("only 4 of 7 phases were kept, because all of them would be larger than allowed")).toEqual({
+      kind: "fewer",
+      kept: 4,
+      of: 7,
+    });
+    expect(noteOf("1 slice at the ends of some phases was left out, because other phases do not have them")).toEqual({
+      kind: "uncommon",
+      count: 1,
+    });
   });
   it("are listed once each, without unknown ones", () => {
     expect(correctionsOf(["1 file was damaged", "2 files were damaged", "something new"])).toEqual(["damaged"]);

@@ -10,10 +10,12 @@ export type Correction =
   | "brightness"
   | "negative"
   | "scaled"
-  | "directions";
+  | "directions"
+  | "phases";
 
 /** Words that only the sentence of this correction contains (ingest/dicom/classify.cpp). The first match counts. */
 const patterns: readonly (readonly [Correction, RegExp])[] = [
+  ["phases", /phases? /i],
   ["tilt", /gantry tilt/i],
   ["missing", /missing/i],
   ["duplicates", /twice|duplicate/i],
@@ -38,7 +40,11 @@ export type Note =
   | { readonly kind: "tilt"; readonly degrees: number }
   | { readonly kind: "spacing"; readonly fromMm: number; readonly toMm: number; readonly usedMm: number }
   | { readonly kind: "positions"; readonly mm: number }
-  | { readonly kind: "missing" | "duplicates" | "overview" | "size" | "damaged"; readonly count: number }
+  | {
+      readonly kind: "missing" | "duplicates" | "overview" | "size" | "damaged" | "incomplete" | "uncommon";
+      readonly count: number;
+    }
+  | { readonly kind: "fewer"; readonly kept: number; readonly of: number }
   | { readonly kind: "clipped"; readonly limit: number }
   | { readonly kind: "scaled"; readonly factor: number }
   | { readonly kind: "brightness" | "negative" | "halved" | "directions" };
@@ -46,7 +52,7 @@ export type Note =
 type Figures = readonly number[];
 
 const counted =
-  (kind: "missing" | "duplicates" | "overview" | "size" | "damaged") =>
+  (kind: Extract<Note, { readonly count: number }>["kind"]) =>
   ([count = 0]: Figures): Note => ({ kind, count });
 
 /** The sentences of ingest, current ones and those of older scans, with their figures in order. */
@@ -61,6 +67,9 @@ const notes: readonly (readonly [RegExp, (figures: Figures) => Note])[] = [
   [/^(\d+) slices? (?:was|were) (?:duplicated|there twice);/, counted("duplicates")],
   [/^(\d+) (?:overview images?|scout pictures?) (?:was|were) /, counted("overview")],
   [/^(\d+) slices? of (?:a different|another) size (?:was|were) /, counted("size")],
+  [/^(\d+) phases? (?:was|were) incomplete /, counted("incomplete")],
+  [/^(\d+) slices? at the ends of some phases /, counted("uncommon")],
+  [/^only (\d+) of (\d+) phases /, ([kept = 0, of = 0]) => ({ kind: "fewer", kept, of })],
   [/^(\d+) files? (?:was|were) damaged /, counted("damaged")],
   [/^values above ([\d,]+)(?: Hounsfield units)? were clipped$/, ([limit = 0]) => ({ kind: "clipped", limit })],
   [/^values were halved for storage$/, () => ({ kind: "halved" })],

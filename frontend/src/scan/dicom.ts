@@ -142,11 +142,33 @@ function headerOf(data: DataSet, form: Form, file: number, fileBytes: number, cu
     orientation: numbers(data, "x00200037", 6) as SliceHeader["orientation"],
     pixels: voxels.pixels,
     voxels: voxels.voxels,
+    moment: momentOf(data),
     kept: keptElements(data),
     grouped: [],
     inflated: null,
     truncated: cutOff || voxels.truncated,
   };
+}
+
+/** Reads what may distinguish slices at the same position (phases.ts), of which times of day are never sent. */
+function momentOf(data: DataSet): SliceHeader["moment"] {
+  const number = (tag: string) => finite(data.floatString(tag));
+  // The length is checked first, because reading beyond the value throws.
+  const double = (tag: string) => (data.elements[tag]?.length === 8 ? finite(data.double(tag)) : null);
+  const count = data.elements.x00209128?.length === 4 ? finite(data.uint32("x00209128")) : null;
+  const offset = double("x0020930d");
+  return [
+    double("x00189087"),
+    number("x00180081") ?? double("x00189082"),
+    data.elements.x00209241?.length === 4 ? finite(data.float("x00209241")) : null,
+    number("x00181060") ?? double("x00209153"),
+    offset === null ? null : 1000 * offset,
+    number("x00200100") ?? count,
+    null,
+    number("x00080032"),
+    number("x00080033"),
+    number("x00200013"),
+  ];
 }
 
 type PixelFormat = Pick<

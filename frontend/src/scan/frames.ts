@@ -8,6 +8,7 @@ const sharedGroups = "x52009229";
 const frameGroups = "x52009230";
 const enhanced = new Set(["2.1", "2.2", "4.1", "4.4", "128.1", "130"].map((leaf) => `1.2.840.10008.5.1.4.1.1.${leaf}`));
 const mostFrames = 20_000;
+const bigEndian = "1.2.840.10008.1.2.2";
 
 /**
  * Returns one header per frame. A file of another kind, or without positions of its frames, keeps its single header.
@@ -47,11 +48,34 @@ function withGroups(header: SliceHeader, grouped: readonly GroupedElement[]): Sl
     return values.length === count && values.every(Number.isFinite) ? values : null;
   };
   const one = (tag: string): number | null => numbers(tag, 1)?.[0] ?? null;
+  const binary = (tag: string): number | null => {
+    const found = grouped.findLast((one) => one.tag === tag);
+    if (!found) return null;
+    const view = new DataView(found.bytes.buffer, found.bytes.byteOffset, found.bytes.byteLength);
+    const little = header.transferSyntax !== bigEndian;
+    const value =
+      found.vr === "UL"
+        ? view.getUint32(0, little)
+        : found.vr === "FL"
+          ? view.getFloat32(0, little)
+          : view.getFloat64(0, little);
+    return Number.isFinite(value) ? value : null;
+  };
+  const offset = binary("x0020930d");
+  const ofFrame = [
+    binary("x00189087"),
+    binary("x00189082"),
+    binary("x00209241"),
+    binary("x00209153"),
+    offset === null ? null : 1000 * offset,
+    binary("x00209128"),
+  ];
   const center = one("x00281050");
   const width = one("x00281051");
   return {
     ...header,
     grouped,
+    moment: header.moment.map((value, i) => ofFrame[i] ?? value),
     stack: text("x00209056") ?? "1",
     imageType:
       text("x00089007")

@@ -1,5 +1,7 @@
+import { withTemporalPosition } from "./clean_file";
+import { hasPhases, placesOf, splitPhases, thinned } from "./phases";
 import { arrange, cross, type Axes, type Vector } from "./stack";
-import type { Chosen, LeftOut, Reason, SliceHeader, Unsuitable } from "./types";
+import type { Chosen, LeftOut, Phases, Reason, Repair, SliceHeader, Unsuitable } from "./types";
 
 /**
  * Decides whether the files of one series can become a volume, by the same cases as ingest (ingest/dicom/classify.cpp).
@@ -13,6 +15,7 @@ export const shortestMm = 20;
 export const mostFileBytes = 2 ** 30;
 export const mostVoxels = 2 ** 30;
 export const mostSlices = 20_000;
+export const mostPhases = 1000;
 
 const imageRoot = "1.2.840.10008.5.1.4.1.1.";
 const slicesOf = new Set(["2", "4", "128", "2.1", "2.2", "4.1", "4.4", "128.1", "130"].map((leaf) => imageRoot + leaf));
@@ -151,24 +154,62 @@ function judgeScale(slices: readonly SliceHeader[]): Unsuitable | null {
   return null;
 }
 
-function judgeStack(slices: readonly SliceHeader[], leftOut: LeftOut): Chosen | Unsuitable {
+/** The slices of each phase, of which the first one is arranged and the others lie in the same places. */
+interface Split {
+  readonly phases: readonly (readonly SliceHeader[])[];
+  readonly described: Omit<Phases, "count"> | null;
+  readonly repairs: readonly Repair[];
+}
+
+/** Splits a series that repeats its positions into phases. */
+function split(slices: readonly SliceHeader[], axes: Axes, pixel: number): Split | Unsuitable {
+  const places = placesOf(slices, axes);
+  if (!hasPhases(places, slices.length)) return { phases: [slices], described: null, repairs: [] };
+  const found = splitPhases(places, pixel);
+  if ("reason" in found) return refuse(found.reason);
+  const { incomplete, uncommon } = found;
+  // The server cannot tell phases by what is not sent, such as a time of day, so their order is sent instead.
+  const isOrderOnly = found.kind === "index" && found.by !== "instance";
+  return {
+    phases: isOrderOnly
+      ? found.phases.map((phase, i) => phase.map((slice) => withTemporalPosition(slice, i + 1)))
+      : found.phases,
+    described: { kind: found.kind, range: found.range },
+    repairs: [
+      ...(incomplete > 0 ? [{ kind: "incomplete_phases", phases: incomplete } as const] : []),
+      ...(uncommon > 0 ? [{ kind: "uncommon", slices: uncommon } as const] : []),
+    ],
+  };
+}
+
+function judgeStack(all: readonly SliceHeader[], leftOut: LeftOut): Chosen | Unsuitable {
+  const axes = axesOf(all[0]?.orientation ?? null);
+  const parts = axes && split(all, axes, Math.min(...(all[0]?.pixelSpacing ?? [1])));
+  if (!parts) return refuse("no_position", all.length);
+  if ("suitable" in parts) return parts;
+  const slices = parts.phases[0] ?? [];
   const first = slices[0];
-  const axes = axesOf(first?.orientation ?? null);
+  if (slices.length < fewestSlices) return refuse("too_few_slices", slices.length);
   const positions = slices.flatMap(({ position }) => (position ? [position] : []));
-  if (!first?.pixelSpacing || !axes) return refuse("no_position", slices.length);
+  if (!first?.pixelSpacing) return refuse("no_position", slices.length);
   const found = arrange(positions, axes, Math.min(...first.pixelSpacing));
   if (!found.volume)
     return refuse(found.reason === "one_position" && first.stack !== "" ? "cine" : found.reason, found.count);
   const height = found.slices * found.spacing;
   if (height < shortestMm) return refuse("too_short", Math.round(height));
-  if (first.rows * first.columns * found.slices > mostVoxels || isTooLarge(slices)) return refuse("too_large");
+  const voxels = first.rows * first.columns * found.slices;
+  const most = Math.min(mostPhases, Math.floor(mostVoxels / voxels), Math.floor(mostSlices / slices.length));
+  const phases = thinned(parts.phases, most);
+  if (most === 0 || isTooLarge(phases.flat())) return refuse("too_large");
+  const fewer: Repair = { kind: "fewer_phases", kept: phases.length, of: parts.phases.length };
   return {
     suitable: true,
-    slices: found.order.flatMap((i) => slices[i] ?? []),
+    phases: parts.described && phases.length > 1 ? { ...parts.described, count: phases.length } : null,
+    slices: phases.flatMap((phase) => found.order.flatMap((i) => phase[i] ?? [])),
     size: [first.columns, first.rows, found.slices],
     sizeMm: [first.columns * first.pixelSpacing[1], first.rows * first.pixelSpacing[0], height],
     leftOut,
-    repairs: found.repairs,
+    repairs: [...parts.repairs, ...(phases.length < parts.phases.length ? [fewer] : []), ...found.repairs],
   };
 }
 

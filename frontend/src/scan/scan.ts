@@ -198,9 +198,9 @@ async function seriesOf(key: string, slices: readonly SliceHeader[], pieces: rea
     modality: first?.modality ?? "",
     seriesNumber: first?.seriesNumber ?? null,
     patient: first?.patient ?? { name: "", id: "", birthDate: "" },
-    slices: ordered.length,
+    slices: judged.suitable ? judged.slices.length / (judged.phases?.count ?? 1) : ordered.length,
     verdict: judged.suitable ? withoutSlices(judged) : judged,
-    thumbnail: judged.suitable ? await middleSlice(ordered, pieces) : null,
+    thumbnail: judged.suitable ? await middleSlice(firstPhase(judged), pieces) : null,
     upload: planOf(judged.suitable ? uploadParts(ordered) : []),
     fingerprint: fingerprint(ordered),
   };
@@ -210,13 +210,17 @@ async function seriesOf(key: string, slices: readonly SliceHeader[], pieces: rea
  * Returns the verdict without the headers, which the page does not need. Copying thousands of them
  * is slow.
  */
-const withoutSlices = ({ size, sizeMm, leftOut, repairs }: Chosen): Suitable => ({
+const withoutSlices = ({ phases, size, sizeMm, leftOut, repairs }: Chosen): Suitable => ({
   suitable: true,
+  phases,
   size,
   sizeMm,
   leftOut,
   repairs,
 });
+
+const firstPhase = ({ slices, phases }: Chosen): readonly SliceHeader[] =>
+  slices.slice(0, slices.length / (phases?.count ?? 1));
 
 async function middleSlice(ordered: readonly SliceHeader[], pieces: readonly Piece[]): Promise<Thumbnail | null> {
   const slice = ordered[Math.floor(ordered.length / 2)];

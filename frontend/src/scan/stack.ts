@@ -57,7 +57,8 @@ export function arrange(positions: readonly Vector[], axes: Axes, pixel: number)
   if (!first || !last) return no("too_few_slices");
   const gaps = placed.slice(1).map(({ along }, i) => along - (placed[i]?.along ?? 0));
   const places = 1 + gaps.filter((gap) => gap > jitterMm).length;
-  if (places < placed.length) return repeated(places, placed.length);
+  if (places === 1) return no("one_position", placed.length);
+  if (places < placed.length) return no("repeated_position", placed.length);
 
   const extent = minus(last.at, first.at);
   const height = dot(extent, axes.normal);
@@ -94,11 +95,6 @@ export function arrange(positions: readonly Vector[], axes: Axes, pixel: number)
     spacing: height / (uneven.slices - 1),
     repairs: [...straightened, uneven.repair],
   };
-}
-
-function repeated(places: number, slices: number): Arranged {
-  if (places === 1) return no("one_position", slices);
-  return no(slices >= 2 * places - Math.floor(places / 10) ? "time_series" : "repeated_position", slices);
 }
 
 type Uneven =

@@ -21,6 +21,12 @@ export interface MadeSlice {
   bitsStored?: number;
   isSigned?: boolean;
   pixels?: Uint8Array;
+  /** What may distinguish the slice from others at its position. */
+  triggerTime?: number;
+  echoTime?: number;
+  bValue?: number;
+  acquisitionTime?: string;
+  instance?: number;
   paddingBytes?: number; // a private element of that length before the voxels
   preamble?: "whole" | "none" | "nothing"; // nothing: not even the meta header
 }
@@ -77,6 +83,7 @@ export function makeSlice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
     e(0x0008, 0x0008, "CS", made.imageType ?? "ORIGINAL\\PRIMARY\\AXIAL"),
     e(0x0008, 0x0016, "UI", sopClass),
     e(0x0008, 0x0018, "UI", made.sopUid ?? `1.2.3.${++counter}`),
+    ...(made.acquisitionTime === undefined ? [] : [e(0x0008, 0x0032, "TM", made.acquisitionTime)]),
     e(0x0008, 0x0060, "CS", made.modality ?? "CT"),
     e(0x0008, 0x103e, "LO", "Head 1.5"),
     ...(made.paddingBytes
@@ -86,9 +93,15 @@ export function makeSlice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
     e(0x0010, 0x0020, "LO", made.patientId ?? "4711"),
     e(0x0018, 0x0015, "CS", "HEAD"),
     e(0x0018, 0x0050, "DS", "99"), // a slice thickness that lies
+    ...(made.echoTime === undefined ? [] : [e(0x0018, 0x0081, "DS", String(made.echoTime))]),
+    ...(made.triggerTime === undefined ? [] : [e(0x0018, 0x1060, "DS", String(made.triggerTime))]),
+    ...(made.bValue === undefined
+      ? []
+      : [e(0x0018, 0x9087, "FD", new Uint8Array(Float64Array.of(made.bValue).buffer))]),
     e(0x0020, 0x000d, "UI", "1.2.4"),
     e(0x0020, 0x000e, "UI", made.seriesUid ?? "1.2.5"),
     e(0x0020, 0x0011, "IS", "3"),
+    ...(made.instance === undefined ? [] : [e(0x0020, 0x0013, "IS", String(made.instance))]),
     ...(position ? [e(0x0020, 0x0032, "DS", position.join("\\"))] : []),
     ...(orientation ? [e(0x0020, 0x0037, "DS", orientation.join("\\"))] : []),
     e(0x0028, 0x0002, "US", us(made.samples ?? 1)),

@@ -49,6 +49,8 @@ export interface SliceHeader {
   readonly position: readonly [number, number, number] | null;
   /** Directions of a row and of a column. */
   readonly orientation: readonly [number, number, number, number, number, number] | null;
+  /** Numbers that may distinguish slices at the same position, by the order of `distinctions` (phases.ts). */
+  readonly moment: readonly (number | null)[];
   /** The content of a deflated file, to which the offsets below refer. Null if the file is not deflated. */
   readonly inflated: Blob | null;
   /** Position of the voxels in the file if they are uncompressed and little-endian, else null. */
@@ -128,6 +130,7 @@ export type Reason =
   | "repeated_position"
   | "repeated_identifier"
   | "time_series"
+  | "incomplete_phases"
   | "mixed"
   | "lookup_table"
   | "bad_rescale"
@@ -152,12 +155,29 @@ export type Repair =
   | { readonly kind: "straightened"; readonly degrees: number }
   | { readonly kind: "filled_in"; readonly slices: number }
   | { readonly kind: "varying"; readonly fromMm: number; readonly toMm: number }
+  | { readonly kind: "incomplete_phases"; readonly phases: number }
+  /** Slices at the ends of some phases, which other phases do not have. */
+  | { readonly kind: "uncommon"; readonly slices: number }
+  /** All phases together would be too large. */
+  | { readonly kind: "fewer_phases"; readonly kept: number; readonly of: number }
   /** The file does not say where the patient's left, back and head are. */
   | { readonly kind: "unknown_directions" };
 
+/** What distinguishes phases. The unit of values is ms, percent, ms or s/mm². */
+export type PhaseKind = "index" | "time" | "cycle" | "echo" | "b_value";
+
+/** The phases of a series, and the values of the first and the last one. */
+export interface Phases {
+  readonly kind: PhaseKind;
+  readonly count: number;
+  readonly range: readonly [number, number];
+}
+
 export interface Suitable {
   readonly suitable: true;
-  /** Number of voxels along a row, along a column and across slices. */
+  /** Null if the series shows one moment. */
+  readonly phases: Phases | null;
+  /** Number of voxels along a row, along a column and across slices, of one phase. */
   readonly size: readonly [number, number, number];
   readonly sizeMm: readonly [number, number, number];
   readonly leftOut: LeftOut;
@@ -165,7 +185,7 @@ export interface Suitable {
 }
 
 export interface Chosen extends Suitable {
-  /** The slices to send, in the order of their positions. */
+  /** The slices to send, in the order of their positions, phase by phase. */
   readonly slices: readonly SliceHeader[];
 }
 

@@ -11,6 +11,13 @@ describe("the order of a file of the scan", () => {
     expect(exportOrderOf({ ...entries, part: "", format: "glb" }, range)).toEqual({ format: "glb", above: 300 });
   });
 
+  it("is for the phase that is shown, if it is a surface of a value", () => {
+    const entries = { part: "", above: "300" };
+    expect(exportOrderOf({ ...entries, format: "stl" }, range, 3)).toEqual({ format: "stl", above: 300, phase: 3 });
+    expect(exportOrderOf({ ...entries, format: "nifti" }, range, 3)).toEqual({ format: "nifti" });
+    expect(exportOrderOf({ ...entries, part: "5", format: "stl" }, range, 3)).toEqual({ format: "stl", label: 5 });
+  });
+
   it("accepts whole numbers within the scan, with either minus sign", () => {
     const order = (above: string) => exportOrderOf({ format: "stl", part: "", above }, range);
     expect([" -300 ", "−300", "-1024", "3071"].map(order).map((one) => one?.above)).toEqual([-300, -300, -1024, 3071]);

@@ -14,15 +14,19 @@ export interface ValueRange {
   readonly maximum: number;
 }
 
-/** Returns the order, or null if the value is not a whole number within the scan. */
-export function exportOrderOf(entries: ExportEntries, range: ValueRange): ScanExportOrder | null {
+/**
+ * Returns the order, or null if the value is not a whole number within the scan. A surface is that of the phase that is
+ * shown.
+ */
+export function exportOrderOf(entries: ExportEntries, range: ValueRange, phase = 0): ScanExportOrder | null {
   const { format, part } = entries;
   if (format === "nifti") return { format };
   if (part !== "") return { format, label: Number(part) };
   const text = entries.above.trim().replace("−", "-");
   if (!/^-?\d{1,6}$/.test(text)) return null;
   const above = Number(text);
-  return above >= range.minimum && above <= range.maximum ? { format, above } : null;
+  if (above < range.minimum || above > range.maximum) return null;
+  return phase > 0 ? { format, above, phase } : { format, above };
 }
 
 /** The lowest value of compact bone in a CT, in Hounsfield units. */

@@ -118,6 +118,7 @@ function Details({ set, upload }: { readonly set: DataSet; readonly upload: Uplo
     return (
       <>
         <p class="muted">
+          {set.volume.phases > 1 ? `${t.scans.phases(set.volume.phases)} · ` : ""}
           {t.add.slices(set.volume.size[2])} · {t.add.size(x, y, z)}
           {set.owned ? ` · ${t.scans.addedOn(dayShortText(set.created_at))}` : ""}
           {set.labels && set.labels.count > 0 ? ` · ${t.labels.onCard(set.labels.count)}` : ""}

@@ -27,7 +27,14 @@ describe("the order of the scans", () => {
     volume:
       bytes === null
         ? null
-        : { bytes, modality: "CT" as const, size: [1, 1, 1] as const, spacing_mm: [1, 1, 1] as const, repairs: [] },
+        : {
+            bytes,
+            modality: "CT" as const,
+            size: [1, 1, 1] as const,
+            phases: 1,
+            spacing_mm: [1, 1, 1] as const,
+            repairs: [],
+          },
   });
   const sets = [scan("Knee 10, 1 Jan 2025", 5), scan("", null), scan("Knee 2, 3 Mar 2026", 1), scan("Head", 9)];
   const titles = (order: Parameters<typeof inOrder>[1]) => inOrder(sets, order, "en-GB").map(({ title }) => title);

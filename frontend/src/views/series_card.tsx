@@ -56,6 +56,7 @@ function SeriesFacts({ series, name, verdict, bytes, best }: SeriesFactsProps) {
   const [x, y, z] = verdict.sizeMm;
   const born = dicomDateText(series.patient.birthDate);
   const facts = [
+    ...(verdict.phases ? [t.add.phases(verdict.phases)] : []),
     t.add.slices(verdict.size[2]),
     t.add.size(x, y, z),
     bytesText(bytes),

@@ -25,15 +25,17 @@ constexpr int kExitNoOutput = 73;  // EX_CANTCREAT, the output cannot be written
 
 constexpr const char* kUsage =
     "diaphane-export INPUT OUTPUT [--label LABEL | --above VALUE] [--labels FILE]\n"
-    "                [--triangles N] [--force]\n\n"
+    "                [--phase N] [--triangles N] [--force]\n\n"
     "Writes a scan as NIfTI, or the surface of one of its parts as STL or glTF. INPUT is a stored\n"
     "volume, a folder of DICOM files, or a file in a research format (NIfTI, NRRD, MetaImage).\n\n"
-    "  OUTPUT           .nii or .nii.gz: all voxels, with the values as stored (Hounsfield units\n"
+    "  OUTPUT           .nii or .nii.gz: all voxels of all phases, with the values as stored "
+    "(Hounsfield units\n"
     "                   for CT), in millimetres, RAS\n"
     "                   .stl: a surface in millimetres, LPS (z points to the head)\n"
     "                   .glb: a surface in metres, with the head up and the face to the viewer\n"
     "  --label LABEL    surface of a label, by its name or number\n"
     "  --above VALUE    surface of all voxels with at least this value\n"
+    "  --phase N        phase of the surface of --above, counted from 0 (default 0)\n"
     "  --labels FILE    take the labels from a NIfTI, DICOM SEG or RTSTRUCT file\n"
     "  --triangles N    maximum number of triangles (default 1000000)\n"
     "  --force          replace OUTPUT if it exists\n\n"
@@ -45,6 +47,7 @@ constexpr const char* kUsage =
 struct Options {
   std::string input, output, label, label_file;
   std::optional<std::int32_t> above;
+  std::optional<std::uint32_t> phase;
   ingest::SurfaceLimits limits;
   bool force = false;
 };
@@ -70,6 +73,10 @@ std::string take_option(const std::string& name, const std::string& value, Optio
     std::int32_t above = 0;
     if (!parse(value, above)) return "--above: must be a whole number (see --help)";
     options.above = above;
+  } else if (name == "--phase") {
+    std::uint32_t phase = 0;
+    if (!parse(value, phase)) return "--phase: must be a whole number (see --help)";
+    options.phase = phase;
   } else if (name == "--triangles") {
     constexpr std::uint64_t kFewest = 100, kMost = 50'000'000;
     if (!parse(value, options.limits.triangles) || options.limits.triangles < kFewest ||
@@ -116,6 +123,7 @@ std::string check(const Options& options) {
   if (is_surface && chosen != 1) return "a surface needs either --label or --above (see --help)";
   if (!is_surface && chosen != 0)
     return "NIfTI contains the whole scan; --label and --above are for .stl and .glb";
+  if (options.phase && !options.above) return "--phase is for --above (see --help)";
   return {};
 }
 
@@ -147,6 +155,12 @@ Result<ingest::ExportOrder> prepare(const Options& options, volume::Volume& scan
   ingest::ExportOrder order;
   order.format = *ingest::export_format_of(options.output);
   order.above = options.above;
+  if (options.above) {
+    order.phase = options.phase.value_or(0);
+    if (auto kept = volume::keep_phase(scan, order.phase); !kept) {
+      return fail(ErrorCode::kInvalid, "--phase: " + kept.error().message);
+    }
+  }
   if (options.label.empty()) return order;
   if (!options.label_file.empty()) {
     auto set = ingest::read_label_file(options.label_file, scan.header);

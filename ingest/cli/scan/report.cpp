@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "volume/header.h"
 
@@ -34,6 +35,32 @@ std::string directions_line(const dicom::Assessment& a) {
   return text;
 }
 
+/// Returns the name of what distinguishes phases, and the unit of its values.
+std::pair<const char*, const char*> words_of(volume::PhaseKind kind) {
+  switch (kind) {
+    case volume::PhaseKind::kTime:
+      return {"time", " ms"};
+    case volume::PhaseKind::kCycle:
+      return {"cycle", " %"};
+    case volume::PhaseKind::kEcho:
+      return {"echo", " ms"};
+    case volume::PhaseKind::kBValue:
+      return {"b-value", " s/mm2"};
+    case volume::PhaseKind::kIndex:
+      break;
+  }
+  return {"index", ""};
+}
+
+std::string phases_line(const dicom::Assessment& a) {
+  if (a.phases.empty()) return {};
+  const auto [name, unit] = words_of(a.phases.front().kind);
+  char text[120];
+  std::snprintf(text, sizeof text, "     %zu phases, by %s: %g to %g%s\n", a.phases.size(), name,
+                a.phases.front().value, a.phases.back().value, unit);
+  return text;
+}
+
 std::string paragraph(std::size_t number, const dicom::Series& series) {
   const dicom::Assessment& a = series.assessment;
   char head[16];
@@ -44,7 +71,7 @@ std::string paragraph(std::size_t number, const dicom::Series& series) {
                   counted(series.slices.size(), "file", "files").c_str());
     return head + std::string(text) + a.text + "\n";
   }
-  std::string text = head + suitable_line(series) + directions_line(a);
+  std::string text = head + suitable_line(series) + directions_line(a) + phases_line(a);
   for (const std::string& repair : a.repairs) text += "     " + repair + "\n";
   return text;
 }

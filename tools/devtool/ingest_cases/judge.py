@@ -34,10 +34,15 @@ def joined(outcomes: list[str]) -> str:
 
 @dataclass(frozen=True)
 class Volume:
-    voxels: np.ndarray              # z, y, x
+    phases: np.ndarray              # phase, z, y, x
     spacing: np.ndarray             # mm, x, y, z
     direction: np.ndarray           # 3 x 3, columns are the axes
     origin: np.ndarray              # mm, the centre of the first voxel
+
+    @property
+    def voxels(self) -> np.ndarray:
+        """Returns the voxels of the first phase."""
+        return self.phases[0]
 
     def places(self) -> np.ndarray:
         """Returns the position of every voxel in mm."""
@@ -46,12 +51,13 @@ class Volume:
         return self.origin + index @ self.direction.T
 
     def worst_error(self, truth: Values, unit: float, air: int) -> float:
-        """Returns the largest difference from the phantom, in its values, over the voxels that are not air."""
+        """Returns the largest difference of any phase from the phantom, in its values, over the voxels that are not
+        air."""
         expected_values = truth(self.places()) / unit
-        there = self.voxels != air
+        there = self.phases != air
         if there.mean() < 0.2:
             return float("inf")
-        return float(np.abs(self.voxels - expected_values)[there].max()) * unit
+        return float(np.abs(self.phases - expected_values)[there].max()) * unit
 
     def marker(self, near: np.ndarray, radius: float) -> np.ndarray:
         """Returns the centre of the ball near a place in mm, weighted by the excess over air."""
@@ -84,8 +90,8 @@ def _read(target: Path, series: list[dict]) -> Volume:
     header = json.loads((target / "volume.json").read_text())
     size = tuple(header["size"])
     built = max((one for one in series if one["suitable"]), key=lambda one: one["slices"])
-    voxels = np.fromfile(target / "voxels.i16", "<i2").reshape(size[::-1])
-    return Volume(voxels, np.array(built["spacing_mm"]), np.array(built["direction"]).reshape(3, 3),
+    phases = np.fromfile(target / "voxels.i16", "<i2").reshape(max(1, len(header.get("phases", []))), *size[::-1])
+    return Volume(phases, np.array(built["spacing_mm"]), np.array(built["direction"]).reshape(3, 3),
                   np.array(built["origin_mm"]))
 
 

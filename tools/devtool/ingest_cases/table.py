@@ -108,6 +108,10 @@ def _two_patients(folder: Path) -> None:
     _both(_ct(stack()), _ct(stack(18), patient="two"))(folder)
 
 
+def _has_phases(count: int) -> Callable[[Volume], str]:
+    return lambda volume: "" if len(volume.phases) == count else f"{len(volume.phases)} phases"
+
+
 def _multi_frame_without_places(folder: Path) -> None:
     ds = enhanced(Series(CT), stack())
     del ds.PerFrameFunctionalGroupsSequence, ds.SharedFunctionalGroupsSequence
@@ -137,9 +141,10 @@ CASES: list[Case] = [
     Case(6, "1 mm, then 9 mm", "refused: varying_spacing", _ct(stack([float(i) for i in range(10)] + [10 + 9.0 * i for i in range(10)])),
          "varies too much"),
     Case(7, "three slices there twice", "built", _twice, "3 slices were duplicated; one copy of each was kept"),
-    Case(8, "two phases", "refused: time_series", _both(_ct(stack()), _ct(stack())), "several scans of the same region"),
-    Case(8, "three b-values, interleaved", "refused: time_series", _mr([one for one in stack() for _ in range(3)]),
-         "several scans of the same region"),
+    Case(8, "two phases", "built", _both(_ct(stack()), _ct(stack())), check=_has_phases(2)),
+    Case(8, "three b-values, interleaved", "built", _mr([one for one in stack() for _ in range(3)]), truth=lifted, air=-1,
+         check=_has_phases(3)),
+    Case(8, "two phases of few slices", "refused: too_few_slices", _both(_ct(stack(12)), _ct(stack(12))), "has 12"),
     Case(9, "scouts alone", "refused: scout", _ct(stack(2), extra=_SCOUT), "an overview image that was used to plan the scan"),
     Case(9, "scouts in a good series", "built", _scouts_inside, "2 overview images were skipped"),
     Case(10, "rotating projections", "refused: views_not_slices",
@@ -161,8 +166,8 @@ CASES: list[Case] = [
     Case(12, "enhanced MR of two stacks", "2 x built",
          _one_file(_FRAMES_MR, _each(stack(20) + stack(18, orientation=SAGITTAL), lambda i: {"intercept": 0.0}),
                    [{"stack": 1}] * 20 + [{"stack": 2}] * 18), truth=lifted, air=-1),
-    Case(12, "enhanced CT of two times", "refused: time_series",
-         _one_file(_FRAMES, stack() + stack(), [{"time": 1}] * 20 + [{"time": 2}] * 20), "several scans of the same region"),
+    Case(12, "enhanced CT of two times", "built",
+         _one_file(_FRAMES, stack() + stack(), [{"time": 1}] * 20 + [{"time": 2}] * 20), check=_has_phases(2)),
     Case(12, "enhanced MR, cine", "refused: cine",
          _one_file(_FRAMES_MR, [replace(one, intercept=0.0) for one in stack([0.0] * 20)]), "a video of a single place"),
     Case(13, "multi-frame with no positions", "refused: no_position", _multi_frame_without_places,

@@ -3,6 +3,9 @@ import { typeCodes } from "./nifti";
 
 /** Length of a NIfTI-1 header with the four bytes that say that no extension follows. */
 const length = 352;
+/** Units of NIfTI. */
+const mm = 2;
+const ms = 16;
 
 /**
  * Returns the header of the NIfTI-1 file that is uploaded (ingest/build/nifti.h): geometry, type,
@@ -19,11 +22,12 @@ export function canonicalHeader(image: ImageHeader & { readonly type: VoxelType 
     values.forEach((value, i) => view.setFloat32(at + 4 * i, value, little));
   const text = (at: number, value: string) => bytes.set(new TextEncoder().encode(value), at);
   view.setInt32(0, 348, little);
-  shorts(40, [3, ...image.size, 1, 1, 1, 1]);
+  const { volumes, stepMs } = image;
+  shorts(40, [volumes > 1 ? 4 : 3, ...image.size, volumes, 1, 1, 1]);
   shorts(70, [typeCodes[image.type], 8 * bytesOf[image.type]]);
-  floats(76, [1, ...(image.axes ? lengths(image.axes) : image.spacing)]);
+  floats(76, [1, ...(image.axes ? lengths(image.axes) : image.spacing), stepMs ?? 0]);
   floats(108, [length, image.slope, image.intercept]);
-  view.setUint8(123, 2); // mm
+  view.setUint8(123, stepMs === null ? mm : mm | ms);
   if (image.axes) {
     shorts(254, [1]);
     const [x, y, z] = [fromRas(image.axes[0]), fromRas(image.axes[1]), fromRas(image.axes[2])];

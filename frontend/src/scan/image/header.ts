@@ -22,6 +22,8 @@ export interface ImageHeader {
   readonly size: Triple;
   /** Number of volumes, such as the moments of a time series. */
   readonly volumes: number;
+  /** Time from volume to volume in ms. Null if the file does not say. */
+  readonly stepMs: number | null;
   /** Number of values per voxel, such as the three of a colour. */
   readonly values: number;
   /** The type of the values, or null for an unsupported one. */
@@ -44,8 +46,9 @@ export interface ImageHeader {
   readonly storedBytes: number | null;
 }
 
-/** Bytes of the voxels of one volume, unpacked. */
-export const voxelBytes = ({ size: [x, y, z], type }: ImageHeader): number => x * y * z * (type ? bytesOf[type] : 1);
+/** Bytes of the voxels of all volumes, unpacked. */
+export const voxelBytes = ({ size: [x, y, z], volumes, type }: ImageHeader): number =>
+  x * y * z * volumes * (type ? bytesOf[type] : 1);
 
 export const fromRas = ([x, y, z]: Triple): Triple => [-x, -y, z];
 

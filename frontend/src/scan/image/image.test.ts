@@ -264,13 +264,45 @@ describe("a research file", () => {
     expect(series.verdict).toMatchObject({ repairs: [{ kind: "unknown_directions" }] });
   });
 
+  it("is sent with all of its phases and the time between them", async () => {
+    const header = nifti({ volumes: 3 });
+    header[123] = 2 | 8; // mm and seconds
+    new DataView(header.buffer).setFloat32(92, 4, true);
+    const all = new Uint8Array(3 * voxels.length).map((_, i) => i % 251);
+    const found = await sent(file(header, all));
+    expect(found.series.verdict).toMatchObject({
+      size,
+      phases: { kind: "time", count: 3, range: [0, 8000] },
+    });
+    expect(found.header).toMatchObject({ size, volumes: 3, stepMs: 4000 });
+    expect(found.voxels).toEqual(all);
+    const unknown = await sent(file(nifti({ volumes: 3 }), all));
+    expect(unknown.series.verdict).toMatchObject({ phases: { kind: "index", count: 3, range: [0, 2] } });
+    expect(unknown.header.stepMs).toBeNull();
+  });
+
+  it("has phases in NRRD and MetaImage too", async () => {
+    const all = new Uint8Array(2 * voxels.length).map((_, i) => i % 241);
+    const sizes = "20 18 16 2";
+    const directions = "(0.5,0,0) (0,0.75,0) (0,0,1.5) none";
+    for (const head of [
+      nrrd("LPS", directions, `sizes: ${sizes}`),
+      text(new TextDecoder().decode(meta(identity, local)).trimEnd().replace("20 18 16", sizes).split("\n")),
+    ]) {
+      const found = await sent(file(head, all));
+      expect(found.series.verdict).toMatchObject({ size, phases: { kind: "index", count: 2 } });
+      expect(found.voxels).toEqual(all);
+    }
+  });
+
   it("is refused in words if it cannot be shown", async () => {
     const reasonOf = async (...parts: readonly Uint8Array<ArrayBuffer>[]) => {
       const { verdict } = only(await scanned(file(...parts)));
       return verdict.suitable ? null : verdict.reason;
     };
     const sheared: Axes = [upright[0], [0.5, 0.75, 0], upright[2]];
-    expect(await reasonOf(nifti({ volumes: 10 }), voxels)).toBe("time_series");
+    expect(await reasonOf(nifti({ volumes: 10 }), voxels)).toBe("damaged");
+    expect(await reasonOf(nifti({ volumes: 1001 }), voxels)).toBe("too_large");
     expect(await reasonOf(nifti({ code: 128 }), voxels)).toBe("pixel_format");
     expect(await reasonOf(nifti({ axes: sheared }), voxels)).toBe("bad_orientation");
     expect(await reasonOf(nifti(), voxels.subarray(1))).toBe("damaged");

@@ -110,7 +110,7 @@ async function thumbnailOf(
   content: Blob,
 ): Promise<Thumbnail | null> {
   const [, , z] = image.size;
-  const slice = voxelBytes(image) / z;
+  const slice = voxelBytes(image) / image.volumes / z;
   const middle = Math.floor(z / 2) * slice;
   try {
     return drawImageThumbnail(image, await content.slice(middle, middle + slice).arrayBuffer());

@@ -1,5 +1,5 @@
-import { fewestSlices, mostFileBytes, mostVoxels } from "../judge";
-import type { Suitable, Unsuitable } from "../types";
+import { fewestSlices, mostFileBytes, mostPhases, mostVoxels } from "../judge";
+import type { Phases, Suitable, Unsuitable } from "../types";
 import { lengths, voxelBytes, type ImageHeader, type Triple } from "./header";
 
 const refuse = (reason: Unsuitable["reason"], count = 0): Unsuitable => ({ suitable: false, reason, count });
@@ -9,22 +9,30 @@ export function judgeImage(image: ImageHeader): Suitable | Unsuitable {
   const { size } = image;
   if (!size.every((side) => Number.isInteger(side) && side >= 1)) return refuse("damaged");
   if (image.type === null || image.values !== 1 || image.coding === "other") return refuse("pixel_format");
-  if (image.volumes > 1) return refuse("time_series");
   const spacing = image.axes ? lengths(image.axes) : image.spacing;
   if (!spacing.every((mm) => mm > 0 && Number.isFinite(mm))) return refuse("no_spacing");
   if (image.axes && !isOrthogonal(image.axes)) return refuse("bad_orientation");
   if (Math.min(...size) < fewestSlices) return refuse("too_few_slices", Math.min(...size));
-  const voxels = size[0] * size[1] * size[2];
-  if (voxels > mostVoxels || Math.max(...size) > mostSide || voxelBytes(image) > mostFileBytes)
+  const { volumes, stepMs } = image;
+  if (!Number.isInteger(volumes) || volumes < 1) return refuse("damaged");
+  const voxels = size[0] * size[1] * size[2] * volumes;
+  if (volumes > mostPhases || voxels > mostVoxels || Math.max(...size) > mostSide || voxelBytes(image) > mostFileBytes)
     return refuse("too_large");
   return {
     suitable: true,
+    phases: volumes > 1 ? phasesOf(volumes, stepMs) : null,
     size,
     sizeMm: [size[0] * spacing[0], size[1] * spacing[1], size[2] * spacing[2]],
     leftOut: { scouts: 0, doubles: 0, damaged: 0, others: 0 },
     repairs: image.axes ? [] : [{ kind: "unknown_directions" }],
   };
 }
+
+const phasesOf = (count: number, stepMs: number | null): Phases => ({
+  kind: stepMs === null ? "index" : "time",
+  count,
+  range: [0, (count - 1) * (stepMs ?? 1)],
+});
 
 /** Maximum of the signed 16-bit dimensions of NIfTI-1. */
 const mostSide = 32767;

@@ -48,6 +48,7 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
   return {
     size: triple(sizes),
     volumes: sizes.slice(3).reduce((product, size) => product * size, 1),
+    stepMs: null,
     values: Number(get("ElementNumberOfChannels") ?? 1),
     type: types[get("ElementType") ?? ""] ?? null,
     littleEndian: !isTrue(get("BinaryDataByteOrderMSB", "ElementByteOrderMSB")),

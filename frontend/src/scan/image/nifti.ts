@@ -27,6 +27,7 @@ const length1 = 348;
 const length2 = 540;
 /** Units of length in mm, by their code. Most files that say nothing mean mm. */
 const unitMm: Readonly<Record<number, number>> = { 1: 1000, 2: 1, 3: 0.001 };
+const unitMs: Readonly<Record<number, number>> = { 8: 1000, 16: 1, 24: 0.001 };
 
 /** Reads NIfTI-1 and NIfTI-2, as one file or as the header of a pair. */
 export function readNifti(bytes: Uint8Array): ImageRead {
@@ -46,6 +47,7 @@ export function readNifti(bytes: Uint8Array): ImageRead {
   return {
     size: [extent(1), extent(2), extent(3)],
     volumes: extent(4),
+    stepMs: stepOf((unitMs[fields.units & 0x38] ?? 0) * (pixdim[4] ?? 0)),
     values: extent(5) * extent(6) * extent(7),
     type: types.get(code) ?? null,
     littleEndian: little,
@@ -60,6 +62,8 @@ export function readNifti(bytes: Uint8Array): ImageRead {
     storedBytes: null,
   };
 }
+
+const stepOf = (ms: number): number | null => (ms > 0 && Number.isFinite(ms) ? ms : null);
 
 interface Fields {
   readonly magic: string;

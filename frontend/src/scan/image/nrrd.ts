@@ -76,6 +76,7 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
   return {
     size: triple(spatial.map((i) => sizes[i] ?? Number.NaN)),
     volumes: isInner ? 1 : others,
+    stepMs: null,
     values: isInner ? others : 1,
     type:
       types[

@@ -2,6 +2,10 @@ import type { Texts } from "../shape";
 import { count, fixed, number } from "./counting";
 import { reasons } from "./reasons";
 
+const mostMs = 1000;
+const secondsText = (ms: number): string =>
+  ms < mostMs ? `${number.format(Math.round(ms))} ms` : `${number.format(Math.round(ms / 100) / 10)} s`;
+
 export const add: Texts["add"] = {
   lead: "Wählen Sie den Ordner, die CD oder die ZIP-Datei, die Sie vom Krankenhaus bekommen haben. Diaphane findet die Aufnahmen darin, egal wie die Dateien heißen.",
   privacy:
@@ -74,6 +78,21 @@ export const add: Texts["add"] = {
   upload: "Hochladen",
   uploadAll: (n) => `Alle ${n} hochladen`,
   starting: "Wird gestartet …",
+  phases: ({ kind, count: n, range: [from, to] }) => {
+    const span = `${number.format(from)} bis ${number.format(to)}`;
+    switch (kind) {
+      case "index":
+        return count(n, "Phase", "Phasen");
+      case "time":
+        return `${count(n, "Phase", "Phasen")} in ${secondsText(to)}`;
+      case "cycle":
+        return `${count(n, "Phase", "Phasen")} (${span} % eines Herzschlags)`;
+      case "echo":
+        return `${count(n, "Echo", "Echos")} (${span} ms)`;
+      case "b_value":
+        return `${count(n, "Diffusionsbild", "Diffusionsbilder")} (b = ${span} s/mm²)`;
+    }
+  },
   leftOut: (left) =>
     [
       left.doubles > 0 ? `${count(left.doubles, "doppelte Schicht", "doppelte Schichten")} übersprungen` : "",
@@ -95,6 +114,12 @@ export const add: Texts["add"] = {
         return `${count(repair.slices, "fehlende Schicht wird", "fehlende Schichten werden")} aus den Nachbarschichten ergänzt`;
       case "varying":
         return `die Schichten liegen ${fixed(repair.fromMm, 1)} bis ${fixed(repair.toMm, 1)} mm auseinander, darum können kleine Einzelheiten unscharf wirken`;
+      case "incomplete_phases":
+        return `${count(repair.phases, "unvollständige Phase wird", "unvollständige Phasen werden")} ausgelassen`;
+      case "uncommon":
+        return `${count(repair.slices, "Schicht, die nicht jede Phase hat, wird", "Schichten, die nicht jede Phase hat, werden")} ausgelassen`;
+      case "fewer_phases":
+        return `nur ${number.format(repair.kept)} von ${number.format(repair.of)} Phasen werden hochgeladen, weil alle zusammen zu groß wären`;
       case "unknown_directions":
         return "die Datei sagt nicht, wo links und rechts ist, darum kann das Bild spiegelverkehrt sein";
     }

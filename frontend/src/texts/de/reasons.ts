@@ -19,6 +19,8 @@ export const reasons: Texts["add"]["reasons"] = {
     "Manche Stellen wurden zweimal aufgenommen, und wir wissen nicht, welches Bild das richtige ist.",
   repeated_identifier: () =>
     "Verschiedene Bilder tragen dieselbe Nummer, darum könnten einige fehlen. Bitten Sie das Krankenhaus um eine neue Kopie.",
+  incomplete_phases: () =>
+    "Derselbe Körperteil wurde mehrmals aufgenommen, aber in den meisten dieser Aufnahmen fehlen Schichten. Versuchen Sie, die Dateien noch einmal von der CD zu kopieren.",
   time_series: () =>
     "Derselbe Körperteil wurde mehrmals aufgenommen (Kontrastphasen, Echos oder Gewichtungen). Solche Serien können noch nicht angezeigt werden.",
   mixed: () => "In dieser Serie sind Bilder verschiedener Arten, Größen oder Richtungen gemischt.",

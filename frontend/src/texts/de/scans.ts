@@ -11,6 +11,7 @@ const corrected: Record<Exclude<Correction, "directions">, string> = {
   size: "einige Schichten hatten eine andere Größe",
   damaged: "einige Dateien waren beschädigt",
   brightness: "die Helligkeit ihrer Schichten war nicht einheitlich",
+  phases: "einige Phasen waren unvollständig oder zu viele",
   negative: "sie war als Negativ gespeichert",
   scaled: "ihre Werte lagen außerhalb des gespeicherten Bereichs",
 };
@@ -111,6 +112,7 @@ export const scans: Texts["scans"] = {
       return `Wir haben diese Aufnahme korrigiert, denn ${list.format(named)}.${what.includes("directions") ? ` ${unsure}` : ""}`;
     return what.includes("directions") ? unsure : "Wir haben diese Aufnahme korrigiert.";
   },
+  phases: (n) => count(n, "Phase", "Phasen"),
   repairDetails: "Einzelheiten",
   repairNote: (note) => {
     switch (note.kind) {
@@ -126,6 +128,12 @@ export const scans: Texts["scans"] = {
         return `${count(note.count, "Schicht war", "Schichten waren")} doppelt vorhanden und wurde${note.count === 1 ? "" : "n"} nur einmal übernommen.`;
       case "overview":
         return `${count(note.count, "Übersichtsbild wurde", "Übersichtsbilder wurden")} ausgelassen.`;
+      case "incomplete":
+        return `${count(note.count, "unvollständige Phase wurde", "unvollständige Phasen wurden")} ausgelassen.`;
+      case "uncommon":
+        return `${count(note.count, "Schicht am Rand einiger Phasen wurde", "Schichten am Rand einiger Phasen wurden")} ausgelassen, weil sie in anderen Phasen fehlen.`;
+      case "fewer":
+        return `Von ${number.format(note.of)} Phasen wurden nur ${number.format(note.kept)} behalten, weil alle zusammen größer als erlaubt wären.`;
       case "size":
         return `${count(note.count, "Schicht mit anderer Größe wurde", "Schichten mit anderer Größe wurden")} ausgelassen.`;
       case "damaged":

@@ -1,6 +1,10 @@
-import type { LeftOut, Repair } from "../../scan/types";
+import type { LeftOut, Phases, Repair } from "../../scan/types";
 import { count, number } from "./counting";
 import { reasons } from "./reasons";
+
+const mostMs = 1000;
+const secondsText = (ms: number): string =>
+  ms < mostMs ? `${number.format(Math.round(ms))} ms` : `${number.format(Math.round(ms / 100) / 10)} s`;
 
 /** Adding a scan: choosing the folder, the series found in it, and why some of them can't be shown. */
 export const add = {
@@ -66,6 +70,21 @@ export const add = {
   upload: "Upload",
   uploadAll: (n: number) => `Upload all ${n}`,
   starting: "Starting…",
+  phases: ({ kind, count: n, range: [from, to] }: Phases) => {
+    const span = `${number.format(from)} to ${number.format(to)}`;
+    switch (kind) {
+      case "index":
+        return count(n, "phase", "phases");
+      case "time":
+        return `${count(n, "phase", "phases")} over ${secondsText(to)}`;
+      case "cycle":
+        return `${count(n, "phase", "phases")} (${span}% of a heartbeat)`;
+      case "echo":
+        return `${count(n, "echo", "echoes")} (${span} ms)`;
+      case "b_value":
+        return `${count(n, "diffusion image", "diffusion images")} (b = ${span} s/mm²)`;
+    }
+  },
   leftOut: (left: LeftOut) =>
     [
       left.doubles > 0 ? `${count(left.doubles, "duplicate", "duplicates")} skipped` : "",
@@ -86,6 +105,12 @@ export const add = {
         return `${count(repair.slices, "missing slice", "missing slices")} will be filled in from the neighbouring ones`;
       case "varying":
         return `slices are ${repair.fromMm.toFixed(1)} to ${repair.toMm.toFixed(1)} mm apart, so small details may look blurred`;
+      case "incomplete_phases":
+        return `${count(repair.phases, "incomplete phase", "incomplete phases")} will be left out`;
+      case "uncommon":
+        return `${count(repair.slices, "slice", "slices")} that not every phase has will be left out`;
+      case "fewer_phases":
+        return `only ${number.format(repair.kept)} of ${number.format(repair.of)} phases will be uploaded, because all of them would be too large`;
       case "unknown_directions":
         return "the file doesn’t say which side is left or right, so the picture may be a mirror image";
     }

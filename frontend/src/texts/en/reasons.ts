@@ -17,6 +17,8 @@ export const reasons: Record<Reason | LateReason, (n: number) => string> = {
   repeated_position: () => "Some places were scanned twice, and we can’t tell which image is the right one.",
   repeated_identifier: () =>
     "Different images have the same number, so some may have been lost. Ask the hospital for a new copy.",
+  incomplete_phases: () =>
+    "The same part of the body was scanned several times, but slices of most of these scans are missing. Try copying the files from the disc again.",
   time_series: () =>
     "The same part of the body was scanned several times (contrast phases, echoes or weightings). Such series can’t be shown yet.",
   mixed: () => "This series mixes images of different kinds, sizes or directions.",

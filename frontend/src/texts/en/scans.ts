@@ -12,6 +12,7 @@ const corrected: Record<Exclude<Correction, "directions">, string> = {
   size: "some slices had a different size",
   damaged: "some files were damaged",
   brightness: "its slices had different brightness scales",
+  phases: "some of its phases were incomplete, or there were too many",
   negative: "it was stored as a negative",
   scaled: "its values were outside the range that we store",
 };
@@ -112,6 +113,7 @@ export const scans = {
       return `We corrected this scan: ${list.format(named)}.${what.includes("directions") ? ` ${unsure}` : ""}`;
     return what.includes("directions") ? unsure : "We corrected this scan.";
   },
+  phases: (n: number) => count(n, "phase", "phases"),
   repairDetails: "Details",
   repairNote: (note: Note): string => {
     switch (note.kind) {
@@ -127,6 +129,12 @@ export const scans = {
         return `${count(note.count, "duplicate slice was", "duplicate slices were")} skipped.`;
       case "overview":
         return `${count(note.count, "overview image was", "overview images were")} skipped.`;
+      case "incomplete":
+        return `${count(note.count, "incomplete phase was", "incomplete phases were")} left out.`;
+      case "uncommon":
+        return `${count(note.count, "slice", "slices")} at the ends of some phases ${note.count === 1 ? "was" : "were"} left out, because other phases don’t have them.`;
+      case "fewer":
+        return `Only ${number.format(note.kept)} of ${number.format(note.of)} phases were kept, because all of them would be larger than allowed.`;
       case "size":
         return `${count(note.count, "slice of a different size was", "slices of a different size were")} skipped.`;
       case "damaged":

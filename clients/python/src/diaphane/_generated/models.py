@@ -493,6 +493,10 @@ class Volume(TypedDict):
 
     modality: Literal['CT', 'MR', 'PT', 'OTHER']
     size: list[int]
+    phases: int
+    """
+    Number of times, echoes or b-values that the scan shows, each of `size`.
+    """
     spacing_mm: list[float]
     bytes: int
     repairs: list[str]
@@ -837,6 +841,7 @@ class ScanExport(TypedDict):
     format: Literal['nifti', 'stl', 'glb']
     label: int | None
     above: int | None
+    phase: int
     bytes: int | None
     """
     Size of the file, once it is ready.

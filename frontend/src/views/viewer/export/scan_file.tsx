@@ -101,7 +101,8 @@ function OrderForm({ session, volume, busy, request }: OrderFormProps) {
     setFault("");
   };
   const submit = () => {
-    const order = exportOrderOf(entries, volume);
+    const shown = session.editor.scene.value?.volumePhase ?? 0;
+    const order = exportOrderOf(entries, volume, Math.min(shown, Math.max(volume.phases.length, 1) - 1));
     if (order) request(order);
     else setFault(text.wrongAbove(volume.minimum, volume.maximum));
   };
