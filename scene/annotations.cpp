@@ -24,7 +24,7 @@ bool is_place(const v1::Vec3& place) {
 bool is_valid(const v1::Mark& mark) {
   return v1::Mark::Kind_IsValid(mark.kind()) && mark.kind() != v1::Mark::KIND_UNSPECIFIED &&
          mark.colour() < kMarkColours && is_place(mark.place()) && is_place(mark.tail()) &&
-         mark.radius() >= 0 && within(mark.radius());
+         is_place(mark.end()) && mark.radius() >= 0 && within(mark.radius());
 }
 
 }  // namespace

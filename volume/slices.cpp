@@ -148,12 +148,15 @@ Result<std::vector<std::int16_t>> read_slice(const Volume& volume, const SliceSt
 
 }  // namespace
 
+std::int16_t value_outside(const Header& header) {
+  return static_cast<std::int16_t>(
+      std::clamp(header.minimum, std::int32_t{std::numeric_limits<std::int16_t>::min()},
+                 std::int32_t{std::numeric_limits<std::int16_t>::max()}));
+}
+
 Result<std::vector<std::int16_t>> slice_of(const Volume& volume, const SliceStack& stack,
                                            std::uint32_t index) {
-  const auto outside = static_cast<std::int16_t>(
-      std::clamp(volume.header.minimum, std::int32_t{std::numeric_limits<std::int16_t>::min()},
-                 std::int32_t{std::numeric_limits<std::int16_t>::max()}));
-  return read_slice(volume, stack, index, outside, nullptr);
+  return read_slice(volume, stack, index, value_outside(volume.header), nullptr);
 }
 
 Result<std::vector<std::int16_t>> clipped_slice_of(const Volume& volume, const SliceStack& stack,

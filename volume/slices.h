@@ -49,6 +49,9 @@ SliceStack plan_stack(const Header& header, Plane plane);
 Result<std::vector<std::int16_t>> slice_of(const Volume& volume, const SliceStack& stack,
                                            std::uint32_t index);
 
+/// Returns the value of pixels outside the volume: the header's minimum.
+std::int16_t value_outside(const Header& header);
+
 /// The value of pixels in a clipped slice that show nothing, so that they reveal no voxel.
 inline constexpr std::int16_t kBlank = -32768;
 /// Returns the same slice with only the kept voxels. All other pixels are kBlank, also those

@@ -91,7 +91,7 @@ Shapes arrow(const v1::Mark& mark, const Projection& projection, PicturePoint at
   const bool fits =
       right ? end.x + kTextWidth * unit < projection.width() : end.x > kTextWidth * unit;
   Shapes shapes;
-  shapes.lines.line = {end, along(8, 0)};
+  shapes.lines.lines = {{end, along(8, 0)}};
   shapes.lines.head = {at, along(13, 5.5), along(13, -5.5)};
   shapes.anchor = right == fits ? Anchor::kStart : Anchor::kEnd;
   shapes.text = {end.x + (shapes.anchor == Anchor::kStart ? 6 : -6) * unit,
@@ -113,9 +113,26 @@ Shapes circle(const v1::Mark& mark, const Projection& projection, PicturePoint a
 Shapes text(const Projection& projection, PicturePoint at, double unit) {
   const bool right = at.x + kTextWidth * unit < projection.width();
   Shapes shapes;
-  shapes.lines.dot = at;
+  shapes.lines.dots = {at};
   shapes.text = {at.x + (right ? 10 : -10) * unit, at.y + 5 * unit};
   shapes.anchor = right ? Anchor::kStart : Anchor::kEnd;
+  return shapes;
+}
+
+/// A ruler or an angle: lines from its point to the others, and its value beside the last dot, or
+/// beside the vertex of an angle.
+Shapes measurement(const v1::Mark& mark, const Projection& projection, PicturePoint at,
+                   double unit) {
+  const bool is_angle = mark.kind() == v1::Mark::ANGLE;
+  const PicturePoint tail = projection.point(vector_of(mark.tail())).value_or(at);
+  Shapes shapes = text(projection, is_angle ? at : tail, unit);
+  shapes.lines.dots = {at, tail};
+  shapes.lines.lines = {{at, tail}};
+  if (is_angle) {
+    const PicturePoint end = projection.point(vector_of(mark.end())).value_or(at);
+    shapes.lines.dots.push_back(end);
+    shapes.lines.lines.push_back({at, end});
+  }
   return shapes;
 }
 
@@ -124,6 +141,9 @@ std::optional<Shapes> shapes_of(const v1::Mark& mark, const Projection& projecti
   if (!at) return std::nullopt;
   if (mark.kind() == v1::Mark::ARROW) return arrow(mark, projection, *at, unit);
   if (mark.kind() == v1::Mark::CIRCLE) return circle(mark, projection, *at, unit);
+  if (mark.kind() == v1::Mark::RULER || mark.kind() == v1::Mark::ANGLE) {
+    return measurement(mark, projection, *at, unit);
+  }
   return text(projection, *at, unit);
 }
 

@@ -105,6 +105,23 @@ TEST_F(FileMarksTest, DrawsACircleAsTheOutlineOfASphere) {
   EXPECT_EQ(at(picture, 36, 30), kBlack);
 }
 
+TEST_F(FileMarksTest, DrawsARulerBetweenItsEndsAndAnAngleWithTwoSides) {
+  v1::FileMark ruler = mark_at(v1::Mark::RULER, -16, 0);
+  ruler.mutable_mark()->mutable_tail()->set_x(16);
+  const PictureRgb8 line = drawn(made({ruler}));
+  for (const int x : {16, 32, 47}) EXPECT_EQ(at(line, x, 32), kOrange) << x;
+  EXPECT_EQ(at(line, 16, 33), kOrange) << "a dot at its end, wider than the line";
+  v1::FileMark angle = mark_at(v1::Mark::ANGLE, -16, -16);
+  angle.mutable_mark()->mutable_tail()->set_x(16);
+  angle.mutable_mark()->mutable_tail()->set_z(-16);
+  angle.mutable_mark()->mutable_end()->set_x(-16);
+  angle.mutable_mark()->mutable_end()->set_z(16);
+  const PictureRgb8 sides = drawn(made({angle}));
+  EXPECT_EQ(at(sides, 32, 48), kOrange);
+  EXPECT_EQ(at(sides, 16, 32), kOrange);
+  EXPECT_EQ(at(sides, 32, 32), kBlack) << "no third side";
+}
+
 TEST_F(FileMarksTest, PrintsTheTextOfThePageBesideItsPoint) {
   v1::FileMark text = mark_at(v1::Mark::TEXT, 0, 0);
   v1::FileMark::Label& given = *text.mutable_label();

@@ -67,10 +67,12 @@ double from_triangle(PicturePoint p, const std::array<PicturePoint, 3>& corners)
 double from_ink(PicturePoint p, const MarkLines& lines, const Pen& pen) {
   const double half = pen.width / 2;
   double nearest = kFar;
-  if (lines.line) nearest = std::min(nearest, from_line(p, *lines.line, pen.dash) - half);
+  for (const auto& line : lines.lines) {
+    nearest = std::min(nearest, from_line(p, line, pen.dash) - half);
+  }
   if (lines.circle) nearest = std::min(nearest, from_circle(p, *lines.circle, pen.dash) - half);
   if (lines.head) nearest = std::min(nearest, from_triangle(p, *lines.head) - half);
-  if (lines.dot) nearest = std::min(nearest, distance(p, *lines.dot) - pen.width);
+  for (const auto& dot : lines.dots) nearest = std::min(nearest, distance(p, dot) - pen.width);
   return nearest;
 }
 

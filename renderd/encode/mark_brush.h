@@ -22,10 +22,10 @@ struct Disc {
 
 /// The shapes that make up one mark, except its text. A shape that the mark lacks is empty.
 struct MarkLines {
-  std::optional<std::array<PicturePoint, 2>> line;
+  std::vector<std::array<PicturePoint, 2>> lines;
   std::optional<std::array<PicturePoint, 3>> head;  ///< filled
   std::optional<Disc> circle;                       ///< an outline
-  std::optional<PicturePoint> dot;                  ///< a dot whose radius is the pen's width
+  std::vector<PicturePoint> dots;                   ///< dots whose radius is the pen's width
 };
 
 struct MarkColour {

@@ -143,7 +143,8 @@ void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
   const Turn turn(*this);
   if (ended_) return;
   volume_ = std::move(*volume);
-  apply(slices_.handle(SlicesKnown{stacks_of(volume::stored_header(volume_->header()))}));
+  const volume::Header stored = volume::stored_header(volume_->header());
+  apply(slices_.handle(SlicesKnown{stacks_of(stored), stored}));
   presets_ = std::move(presets);
   // This program may reject a scene that an older version wrote. A default look is better than no
   // picture.

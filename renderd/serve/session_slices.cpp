@@ -10,10 +10,15 @@ namespace diaphane::render {
 namespace {
 
 Result<std::vector<std::int16_t>> read_slice(const volume::Volume& volume,
-                                             const volume::SliceStack& stack, std::uint32_t index,
+                                             const volume::SliceStack& stack, const SliceDue& due,
                                              const std::optional<v1::Clip>& clip) {
-  if (!clip) return volume::slice_of(volume, stack, index);
-  return volume::clipped_slice_of(volume, stack, index, kept_by(volume.header, *clip));
+  if (!clip) {
+    return due.oblique ? volume::sample(volume, *due.oblique)
+                       : volume::slice_of(volume, stack, due.index);
+  }
+  const volume::KeptVoxels kept = kept_by(volume.header, *clip);
+  return due.oblique ? volume::sample_clipped(volume, *due.oblique, kept)
+                     : volume::clipped_slice_of(volume, stack, due.index, kept);
 }
 
 }  // namespace
@@ -44,7 +49,7 @@ void LiveSession::carry_out(effect::CodeSlice& effect) {
   parts_.slices.pool.post(urgency, [weak = weak_from_this(), effect = std::move(effect)] {
     if (weak.expired()) return;
     const SliceOrder& order = effect.order;
-    auto coded = read_slice(effect.voxels->volume(), effect.stack, order.due.index, order.clip)
+    auto coded = read_slice(effect.voxels->volume(), effect.stack, order.due, order.clip)
                      .and_then([](const auto& values) { return code_slice(values); });
     if (const auto session = weak.lock()) {
       session->slice_coded(effect.connection, order, std::move(coded));

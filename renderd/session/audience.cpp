@@ -44,19 +44,50 @@ ViewerRights Audience::rights(const Receiver& receiver) const {
   return rights;
 }
 
-bool ShownSlices::contains(const volume::SliceStack& stack, std::uint32_t index) const {
+namespace {
+
+double scalar_product(const volume::Vector& a, const volume::Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+volume::Vector to_first(const volume::Vector& place, const volume::Vector& first) {
+  return {place[0] - first[0], place[1] - first[1], place[2] - first[2]};
+}
+
+// Between two slices, pages may round either way.
+constexpr double kHalf = 0.5 + 1e-6;
+
+}  // namespace
+
+bool ShownSlices::contains(const volume::SliceStack& stack, const SliceDue& due) const {
   const bool has_plane = layout == v1::SliceView::FOUR ||
                          (layout == v1::SliceView::SLICE && plane == to_proto(stack.plane));
   if (!has_plane) return false;
-  double along = 0, square = 0;
-  for (std::size_t i = 0; i < crosshair.size(); ++i) {
-    along += (crosshair[i] - stack.first[i]) * stack.next[i];
-    square += stack.next[i] * stack.next[i];
+  const bool is_oblique = !normals.empty() || slab > 0;
+  if (is_oblique != due.oblique.has_value()) return false;
+  if (due.oblique) return contains(stack, *due.oblique);
+  const double along = scalar_product(to_first(crosshair, stack.first), stack.next) /
+                       scalar_product(stack.next, stack.next);
+  const double exact = std::clamp(along, 0.0, double(stack.slices) - 1);
+  return std::fabs(exact - double(due.index)) <= kHalf;  // false for NaN
+}
+
+bool ShownSlices::contains(const volume::SliceStack& stack,
+                           const volume::ObliqueSlice& slice) const {
+  constexpr double kSame = 1e-6;
+  if (slice.projection != projection || !(std::fabs(slice.thickness - slab) <= kSame)) return false;
+  const auto tilted = normals.find(to_proto(stack.plane));
+  const double spacing = std::sqrt(scalar_product(stack.next, stack.next));
+  volume::Vector normal = stack.next;
+  for (double& entry : normal) entry /= spacing;
+  if (tilted != normals.end()) normal = tilted->second;
+  // The angle between the normals moves the edge of the slice by less than a micrometre.
+  if (!(std::fabs(scalar_product(normal, volume::normal_of(slice))) >= 1 - 1e-13)) return false;
+  double step = spacing;  // of oblique slices, as pages choose it
+  for (const auto& side : {stack.right, stack.down}) {
+    step = std::min(step, std::sqrt(scalar_product(side, side)));
   }
-  // Between two slices, pages may round either way.
-  constexpr double kHalf = 0.5 + 1e-6;
-  const double exact = std::clamp(along / square, 0.0, double(stack.slices) - 1);
-  return std::fabs(exact - double(index)) <= kHalf;  // false for NaN
+  return std::fabs(scalar_product(to_first(crosshair, slice.first), normal)) <= kHalf * step;
 }
 
 void Audience::show(const v1::SliceView& view, TimePoint now) {
@@ -66,14 +97,25 @@ void Audience::show(const v1::SliceView& view, TimePoint now) {
     if (slices_before.size() > kMostShownBefore) slices_before.pop_front();
   }
   const v1::Vec3& place = view.crosshair();
-  slices_shown = {view.layout(), view.plane(), {place.x(), place.y(), place.z()}, {}};
+  slices_shown = {};
+  slices_shown.layout = view.layout();
+  slices_shown.plane = view.plane();
+  slices_shown.crosshair = {place.x(), place.y(), place.z()};
+  slices_shown.slab = view.slab();
+  slices_shown.projection = projection_of(view.projection());
+  for (const v1::SliceView::Tilt& tilt : view.tilts()) {
+    volume::ObliqueSlice plane;
+    plane.right = {tilt.right().x(), tilt.right().y(), tilt.right().z()};
+    plane.down = {tilt.down().x(), tilt.down().y(), tilt.down().z()};
+    slices_shown.normals[tilt.plane()] = volume::normal_of(plane);
+  }
   if (!shows_slices()) slices_before.clear();
 }
 
-bool Audience::shows(const volume::SliceStack& stack, std::uint32_t index, TimePoint now) const {
-  return slices_shown.contains(stack, index) ||
+bool Audience::shows(const volume::SliceStack& stack, const SliceDue& due, TimePoint now) const {
+  return slices_shown.contains(stack, due) ||
          std::ranges::any_of(slices_before, [&](const ShownSlices& before) {
-           return now < before.until && before.contains(stack, index);
+           return now < before.until && before.contains(stack, due);
          });
 }
 

@@ -108,8 +108,15 @@ struct ShownSlices {
   diaphane::v1::AnatomicalPlane plane = diaphane::v1::ANATOMICAL_PLANE_UNSPECIFIED;
   std::array<double, 3> crosshair{};
   TimePoint until{};
+  /// Normals of oblique planes. Empty if the planes lie along the patient's axes.
+  std::map<diaphane::v1::AnatomicalPlane, volume::Vector> normals;
+  double slab = 0;  ///< mm
+  volume::Projection projection = volume::Projection::kMean;
 
-  bool contains(const volume::SliceStack& stack, std::uint32_t index) const;
+  bool contains(const volume::SliceStack& stack, const SliceDue& due) const;
+
+ private:
+  bool contains(const volume::SliceStack& stack, const volume::ObliqueSlice& slice) const;
 };
 
 /// One stream of encoded pictures for all viewers that use its codec.
@@ -147,7 +154,7 @@ struct Audience {
   /// Notes what the presenter shows.
   void show(const diaphane::v1::SliceView& view, TimePoint now);
   /// Returns whether the presenter shows this slice of a stack, or did so just before.
-  bool shows(const volume::SliceStack& stack, std::uint32_t index, TimePoint now) const;
+  bool shows(const volume::SliceStack& stack, const SliceDue& due, TimePoint now) const;
 };
 
 /// Returns whether frames depend on previous ones, so that a viewer who misses a frame must wait

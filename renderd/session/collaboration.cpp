@@ -19,10 +19,18 @@ bool is_place(const v1::Vec3& place) {
          within(place.z(), scene::kLongestDistance);
 }
 
+bool is_valid_tilt(const v1::SliceView::Tilt& tilt) {
+  const auto is_direction = [](const v1::Vec3& one) {
+    return within(one.x(), 1.001) && within(one.y(), 1.001) && within(one.z(), 1.001);
+  };
+  return is_direction(tilt.right()) && is_direction(tilt.down());
+}
+
 bool is_valid(const v1::SliceView& view) {
   return view.placings_size() <= kPlanes && is_place(view.crosshair()) &&
          within(view.window_centre(), 1e6) && within(view.window_width(), 1e6) &&
-         within(view.overlay(), 1) &&
+         within(view.overlay(), 1) && within(view.slab(), scene::kLongestDistance) &&
+         view.tilts_size() <= kPlanes && std::ranges::all_of(view.tilts(), is_valid_tilt) &&
          std::ranges::all_of(view.placings(), [](const v1::SliceView::Placing& one) {
            return within(one.zoom(), 1e6) && within(one.column(), 1e6) && within(one.row(), 1e6);
          });

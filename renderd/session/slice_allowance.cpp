@@ -18,21 +18,31 @@ bool SliceAllowance::empty(TimePoint now) {
   return pace_.empty() || total_.empty();
 }
 
-void SliceAllowance::take() {
-  pace_.take();
-  total_.take();
+void SliceAllowance::take(double cost) {
+  pace_.take(cost);
+  total_.take(cost);
+}
+
+SliceAllowance& SliceAllowances::allowance_of(const std::string& participant) {
+  const auto known = by_viewer_.find(participant);
+  return known != by_viewer_.end()          ? known->second
+         : by_viewer_.size() < kMostViewers ? by_viewer_[participant]
+                                            : others_;
 }
 
 bool SliceAllowances::take(const std::string& participant, bool guest,
                            SliceAllowance::TimePoint now) {
-  const auto known = by_viewer_.find(participant);
-  SliceAllowance& own = known != by_viewer_.end()          ? known->second
-                        : by_viewer_.size() < kMostViewers ? by_viewer_[participant]
-                                                           : others_;
+  SliceAllowance& own = allowance_of(participant);
   if (own.empty(now) || (guest && guests_.empty(now))) return false;
   own.take();
   if (guest) guests_.take();
   return true;
+}
+
+void SliceAllowances::charge(const std::string& participant, bool guest, std::uint64_t samples) {
+  const double cost = std::max(0.0, double(samples) / SliceAllowance::kSamplesPerToken - 1);
+  allowance_of(participant).take(cost);
+  if (guest) guests_.take(cost);
 }
 
 }  // namespace diaphane::render

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,7 +16,8 @@ class Bucket {
   Bucket(double most, double a_second) : most_(most), a_second_(a_second), left_(most) {}
   void refill(TimePoint now);
   bool empty() const { return left_ < 1; }
-  void take() { left_ -= 1; }
+  /// May leave a debt, which the next ones wait for.
+  void take(double cost = 1) { left_ -= cost; }
 
  private:
   double most_, a_second_, left_;
@@ -34,6 +36,8 @@ class SliceAllowance {
   static constexpr double kInARow = 20'000;
   /// Slices per second after that burst. At this rate, the burst is refilled in about an hour.
   static constexpr double kMostASecondThen = 5;
+  /// Samples of an oblique slice or a slab that cost as much as one slice of a stack.
+  static constexpr double kSamplesPerToken = 512 * 512;
   /// All guests of a session together, as a multiple of one viewer.
   static constexpr double kGuestsTogether = 4;
 
@@ -43,8 +47,8 @@ class SliceAllowance {
         total_(viewers * kInARow, viewers * kMostASecondThen) {}
 
   bool empty(TimePoint now);
-  /// Takes one token. Precondition: a token is available.
-  void take();
+  /// Precondition: a token is available. A slice that costs more leaves a debt.
+  void take(double cost = 1);
 
  private:
   Bucket pace_, total_;
@@ -60,8 +64,12 @@ class SliceAllowances {
 
   /// Takes one slice for this participant. Returns false if it must wait.
   bool take(const std::string& participant, bool guest, SliceAllowance::TimePoint now);
+  /// Charges the samples of an oblique slice, beyond the token that it has taken.
+  void charge(const std::string& participant, bool guest, std::uint64_t samples);
 
  private:
+  SliceAllowance& allowance_of(const std::string& participant);
+
   std::map<std::string, SliceAllowance> by_viewer_;
   SliceAllowance others_;
   SliceAllowance guests_{SliceAllowance::kGuestsTogether};

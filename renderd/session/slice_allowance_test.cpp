@@ -42,6 +42,21 @@ TEST_F(SliceAllowancesTest, AreSharedByAllGuests) {
       << "guests do not use the owner's allowance";
 }
 
+TEST_F(SliceAllowancesTest, ChargeSlabsForTheirSamples) {
+  constexpr std::uint64_t kToken = 512 * 512;
+  ASSERT_TRUE(allowances.take("a", true, now));
+  allowances.charge("a", true, kToken / 2);
+  EXPECT_EQ(take_all("a", true), SliceAllowance::kMostASecond - 1) << "as cheap as a stored slice";
+  now += 1s;
+  ASSERT_TRUE(allowances.take("a", true, now));
+  allowances.charge("a", true, 240 * kToken);
+  EXPECT_EQ(take_all("a", true), 0);
+  now += 900ms;
+  EXPECT_EQ(take_all("a", true), 0) << "the debt of 120 slices lasts a second";
+  now += 200ms;
+  EXPECT_GT(take_all("a", true), 0);
+}
+
 TEST_F(SliceAllowancesTest, DoNotGrowWithTheNumberOfNames) {
   int count = 0;
   for (int i = 0; i < 2000; ++i) count += take_all("name " + std::to_string(i));

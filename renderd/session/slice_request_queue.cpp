@@ -21,29 +21,65 @@ void set(v1::Vec3& out, const std::array<double, 3>& vector) {
 
 }  // namespace
 
-Result<void> SliceRequestQueue::replace(const v1::SliceRequest& request,
-                                        const SliceStacks& stacks) {
-  std::array<std::optional<std::uint32_t>, 3> requested;
+namespace {
+
+volume::Vector vector_of(const v1::Vec3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+/// Reads what a viewer requests. The numbers are not checked yet.
+volume::ObliqueSlice oblique_of(const v1::ObliqueSlice& message) {
+  volume::ObliqueSlice slice;
+  slice.id = message.id();
+  slice.columns = message.columns();
+  slice.rows = message.rows();
+  slice.first = vector_of(message.first());
+  slice.right = vector_of(message.right());
+  slice.down = vector_of(message.down());
+  slice.thickness = message.thickness();
+  slice.projection = projection_of(message.projection());
+  return slice;
+}
+
+Result<SliceDue> due_of(const v1::SliceRequest::At& at, std::size_t plane,
+                        const SliceStacks& stacks, const volume::Header& header) {
+  if (!at.has_oblique()) {
+    if (at.index() >= stacks.at(plane).slices) {
+      return fail(ErrorCode::kInvalid, "This slice does not exist.", "index");
+    }
+    return SliceDue{plane, at.index(), std::nullopt};
+  }
+  if (at.oblique().id() == 0) {
+    return fail(ErrorCode::kInvalid, "An oblique slice needs an ID.", "oblique.id");
+  }
+  SliceDue due{plane, at.index(), oblique_of(at.oblique())};
+  if (const auto checked = volume::check(header, *due.oblique); !checked) {
+    return fail(checked.error().code, checked.error().message, "oblique." + checked.error().field);
+  }
+  return due;
+}
+
+}  // namespace
+
+Result<void> SliceRequestQueue::replace(const v1::SliceRequest& request, const SliceStacks& stacks,
+                                        const volume::Header& header) {
+  std::array<std::optional<SliceDue>, 3> requested;
   for (int i = 0; i < request.slices_size(); ++i) {
     const std::string field = "slices[" + std::to_string(i) + "].";
     const v1::SliceRequest::At& at = request.slices(i);
     const auto plane = number_of(at.plane());
-    if (!plane || requested[*plane]) {
+    if (!plane || requested.at(*plane)) {
       return fail(ErrorCode::kInvalid, "Request at most one slice per plane.", field + "plane");
     }
-    if (at.index() >= stacks[*plane].slices) {
-      return fail(ErrorCode::kInvalid, "This slice does not exist.", field + "index");
-    }
-    requested[*plane] = at.index();
+    auto due = due_of(at, *plane, stacks, header);
+    if (!due) return fail(due.error().code, due.error().message, field + due.error().field);
+    requested.at(*plane) = *std::move(due);
   }
   // Ignores numbers that were never sent.
   if (request.taken() <= seq_) taken_ = std::max(taken_, request.taken());
   for (std::size_t plane = 0; plane < requested.size(); ++plane) {
-    const bool in_preparation =
-        preparing_ && preparing_->plane == plane && requested[plane] == preparing_->index;
-    const Sent& sent = sent_[plane];
-    const bool in_flight = sent.seq > taken_ && requested[plane] == sent.index;
-    if (in_preparation || in_flight) requested[plane].reset();
+    auto& one = requested.at(plane);
+    const Sent& sent = sent_.at(plane);
+    const bool is_in_flight = sent.seq > taken_ && one == sent.due;
+    if (one == preparing_ || is_in_flight) one.reset();
   }
   requested_ = requested;
   return {};
@@ -52,7 +88,7 @@ Result<void> SliceRequestQueue::replace(const v1::SliceRequest& request,
 std::optional<SliceDue> SliceRequestQueue::take() {
   if (!ready()) return std::nullopt;
   while (!requested_[turn_]) turn_ = (turn_ + 1) % requested_.size();
-  preparing_ = SliceDue{turn_, *requested_[turn_]};
+  preparing_ = requested_[turn_];
   requested_[turn_].reset();
   turn_ = (turn_ + 1) % requested_.size();
   return preparing_;
@@ -60,7 +96,7 @@ std::optional<SliceDue> SliceRequestQueue::take() {
 
 std::uint64_t SliceRequestQueue::depart() {
   ++seq_;
-  if (preparing_) sent_[preparing_->plane] = {seq_, preparing_->index};
+  if (preparing_) sent_[preparing_->plane] = {seq_, *preparing_};
   preparing_.reset();
   return seq_;
 }
@@ -69,7 +105,7 @@ void SliceRequestQueue::give_up() { preparing_.reset(); }
 
 void SliceRequestQueue::put_back() {
   if (preparing_ && !requested_[preparing_->plane]) {
-    requested_[preparing_->plane] = preparing_->index;
+    requested_[preparing_->plane] = preparing_;
   }
   preparing_.reset();
 }
@@ -98,6 +134,17 @@ v1::AnatomicalPlane to_proto(volume::Plane plane) {
       break;
   }
   return v1::AXIAL;
+}
+
+volume::Projection projection_of(v1::Projection projection) {
+  switch (projection) {
+    case v1::PROJECTION_MAXIMUM:
+      return volume::Projection::kMaximum;
+    case v1::PROJECTION_MINIMUM:
+      return volume::Projection::kMinimum;
+    default:  // a number of a newer page, too
+      return volume::Projection::kMean;
+  }
 }
 
 v1::SliceStack to_proto(const volume::SliceStack& stack) {

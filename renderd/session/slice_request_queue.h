@@ -6,6 +6,7 @@
 
 #include "api/proto/stream.pb.h"
 #include "common/result.h"
+#include "volume/oblique.h"
 #include "volume/slices.h"
 
 namespace diaphane::render {
@@ -16,6 +17,9 @@ using SliceStacks = std::array<volume::SliceStack, 3>;  ///< in the order of vol
 struct SliceDue {
   std::size_t plane = 0;  ///< number in volume::kPlanes
   std::uint32_t index = 0;
+  std::optional<volume::ObliqueSlice> oblique;  ///< nullopt: the slice of the stack
+
+  bool operator==(const SliceDue&) const = default;
 };
 
 /// The slice requests of one viewer: at most the newest of each plane, so that a slow connection
@@ -25,8 +29,9 @@ class SliceRequestQueue {
   static constexpr std::uint64_t kUnderWay = 3;  ///< sent, but not yet acknowledged
 
   /// Replaces a viewer's requests. Fails with kInvalid, naming the field, and changes nothing if
-  /// they do not fit the stacks.
-  Result<void> replace(const diaphane::v1::SliceRequest& request, const SliceStacks& stacks);
+  /// they do not fit the stacks or the volume.
+  Result<void> replace(const diaphane::v1::SliceRequest& request, const SliceStacks& stacks,
+                       const volume::Header& header);
   /// Returns whether a slice can be taken now.
   bool ready() const { return !preparing_ && waiting() && seq_ - taken_ < kUnderWay; }
   /// Returns the next slice to read and encode, in turn by plane. The next one can be taken after
@@ -46,9 +51,9 @@ class SliceRequestQueue {
  private:
   struct Sent {
     std::uint64_t seq = 0;
-    std::uint32_t index = 0;
+    SliceDue due;
   };
-  std::array<std::optional<std::uint32_t>, 3> requested_;
+  std::array<std::optional<SliceDue>, 3> requested_;
   std::array<Sent, 3> sent_;  // the newest of each plane
   std::optional<SliceDue> preparing_;
   std::size_t turn_ = 0;
@@ -58,6 +63,7 @@ class SliceRequestQueue {
 
 SliceStacks stacks_of(const volume::Header& header);
 diaphane::v1::AnatomicalPlane to_proto(volume::Plane plane);
+volume::Projection projection_of(diaphane::v1::Projection projection);
 diaphane::v1::SliceStack to_proto(const volume::SliceStack& stack);
 
 }  // namespace diaphane::render

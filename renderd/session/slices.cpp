@@ -20,7 +20,7 @@ std::optional<SliceOrder> order_of(const SessionState& state, const Receiver& re
     case SliceAccess::kNone:
       break;
     case SliceAccess::kShown:
-      if (!state.audience.shows(stack, due.index, now)) break;
+      if (!state.audience.shows(stack, due, now)) break;
       [[fallthrough]];
     case SliceAccess::kClipped:
       // The newest clip, even if no picture shows it yet.
@@ -32,16 +32,17 @@ std::optional<SliceOrder> order_of(const SessionState& state, const Receiver& re
   return std::nullopt;
 }
 
-v1::ServerMessage message_of(const volume::SliceStack& stack, std::uint32_t index,
+v1::ServerMessage message_of(const volume::SliceStack& stack, const SliceDue& due,
                              std::uint64_t seq, std::string data) {
   v1::ServerMessage message;
   v1::ExactSlice& slice = *message.mutable_slice();
   slice.set_seq(seq);
   slice.set_plane(to_proto(stack.plane));
-  slice.set_index(index);
-  slice.set_columns(stack.columns);
-  slice.set_rows(stack.rows);
+  slice.set_index(due.index);
+  slice.set_columns(due.oblique ? due.oblique->columns : stack.columns);
+  slice.set_rows(due.oblique ? due.oblique->rows : stack.rows);
   slice.set_data(std::move(data));
+  slice.set_oblique(due.oblique ? due.oblique->id : 0);
   return message;
 }
 
@@ -55,13 +56,14 @@ effect::Send problem_to(std::uint64_t connection, const Error& why) {
 
 Effects Slices::handle(const SlicesKnown& event) {
   stacks_ = event.stacks;
+  header_ = event.header;
   return {};
 }
 
 Effects Slices::handle(const SlicesRequested& event, SessionState& state, TimePoint now) {
   Receiver* const receiver = state.audience.find(event.connection);
   if (!receiver || !stacks_) return {};  // pages request slices only after they learn of them
-  if (const auto noted = receiver->slices.replace(event.request, *stacks_); !noted) {
+  if (const auto noted = receiver->slices.replace(event.request, *stacks_, header_); !noted) {
     return {problem_to(event.connection, noted.error())};
   }
   if (!voxels_ && receiver->slices.waiting()) {
@@ -106,6 +108,10 @@ void Slices::take_next(Effects& effects, SessionState& state, std::uint64_t conn
   while (const auto due = receiver->slices.take()) {
     const volume::SliceStack& stack = (*stacks_)[due->plane];
     if (auto order = order_of(state, *receiver, stack, *due, now)) {
+      if (due->oblique) {
+        state.audience.slice_allowances.charge(receiver->participant, guest,
+                                               volume::samples_of(header_, *due->oblique));
+      }
       effects.emplace_back(effect::CodeSlice{connection, *std::move(order), stack, voxels_, guest});
       return;
     }
@@ -131,7 +137,7 @@ Effects Slices::handle(SliceCoded event, SessionState& state, TimePoint now) {
   } else {
     receiver->has_clipped_slices = order.clip.has_value();
     effects.emplace_back(effect::Send{
-        event.connection, message_of((*stacks_)[order.due.plane], order.due.index,
+        event.connection, message_of((*stacks_)[order.due.plane], order.due,
                                      receiver->slices.depart(), *std::move(event.coded))});
   }
   take_next(effects, state, event.connection, now);

@@ -13,6 +13,7 @@ namespace diaphane::render {
 /// The volume whose slices can be requested is loaded.
 struct SlicesKnown {
   SliceStacks stacks;
+  volume::Header header;
 };
 struct SlicesRequested {
   std::uint64_t connection = 0;
@@ -51,6 +52,7 @@ class Slices {
                  TimePoint now) const;
 
   std::optional<SliceStacks> stacks_;
+  volume::Header header_;  // of the volume that the stacks belong to
   // Kept while a viewer who requested slices is connected.
   std::shared_ptr<const HostVolume> voxels_;
   bool loading_ = false;

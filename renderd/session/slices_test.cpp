@@ -18,7 +18,7 @@ struct SlicesTest : testing::Test {
     voxels.header.size = {30, 20, 10};
     voxels.header.content_hash = "hash";
     volume = std::make_shared<const HostVolume>(std::move(voxels));
-    slices.handle(SlicesKnown{stacks_of(volume->header())});
+    slices.handle(SlicesKnown{stacks_of(volume->header()), volume->header()});
     state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
     connection = attach(state, owner(), now)->connection;
     slices.handle(SceneChanged{}, state);
@@ -103,6 +103,92 @@ TEST_F(SlicesTest, RebuildsSliceIfTheClipChangedMeanwhile) {
   const auto again = sole<CodeSlice>(coded(order));
   EXPECT_EQ(again.order.due.index, 3u);
   EXPECT_TRUE(again.order.clip->has_box_low());
+}
+
+/// The presenter shows tilted planes, and requests name them as the page does.
+struct ObliqueSlicesTest : SlicesTest {
+  void show_tilted(double slab = 0) {
+    v1::SliceView view;
+    view.set_layout(v1::SliceView::FOUR);
+    v1::SliceView::Tilt& tilt = *view.add_tilts();
+    tilt.set_plane(v1::AXIAL);
+    tilt.mutable_right()->set_x(0.8);
+    tilt.mutable_right()->set_z(0.6);
+    tilt.mutable_down()->set_y(1);
+    view.set_slab(slab);
+    view.set_projection(v1::PROJECTION_MAXIMUM);
+    state.audience.show(view, now);
+  }
+  /// An axial plane turned about y, `off` mm from the centre of the volume.
+  static v1::SliceRequest tilted(double off = 0, double slab = 0) {
+    v1::SliceRequest request;
+    auto& at = *request.add_slices();
+    at.set_plane(v1::AXIAL);
+    v1::ObliqueSlice& oblique = *at.mutable_oblique();
+    oblique.set_id(7);
+    oblique.set_columns(8);
+    oblique.set_rows(8);
+    // The normal is (-0.6, 0, 0.8).
+    oblique.mutable_first()->set_x(-0.6 * off);
+    oblique.mutable_first()->set_z(0.8 * off);
+    oblique.mutable_right()->set_x(0.8);
+    oblique.mutable_right()->set_z(0.6);
+    oblique.mutable_down()->set_y(1);
+    oblique.set_thickness(slab);
+    oblique.set_projection(v1::PROJECTION_MAXIMUM);
+    return request;
+  }
+  bool gets(std::uint64_t who, const v1::SliceRequest& request) {
+    const Effects effects = slices.handle(SlicesRequested{who, request}, state, now);
+    const auto orders = only<CodeSlice>(effects);
+    if (orders.empty()) return false;
+    coded(orders.front());
+    return true;
+  }
+};
+
+TEST_F(ObliqueSlicesTest, AreSentWithTheirOwnSizeAndId) {
+  slices.handle(SlicesRequested{connection, tilted()}, state, now);
+  const auto order = sole<CodeSlice>(load());
+  ASSERT_TRUE(order.order.due.oblique);
+  const auto sent = only<Send>(coded(order));
+  ASSERT_EQ(sent.size(), 1u);
+  const v1::ExactSlice& slice = sent[0].message.slice();
+  EXPECT_EQ(slice.oblique(), 7u);
+  EXPECT_EQ(slice.columns(), 8u);
+  EXPECT_EQ(slice.rows(), 8u);
+}
+
+TEST_F(ObliqueSlicesTest, GuestsGetOnlyThePlaneThatThePresenterShows) {
+  const std::uint64_t other = guest();
+  slices.handle(SlicesRequested{connection, tilted()}, state, now);
+  coded(sole<CodeSlice>(load()));
+  EXPECT_FALSE(gets(other, tilted())) << "the presenter's planes are not tilted";
+  show_tilted();
+  now += std::chrono::seconds(10);  // what was shown before no longer counts
+  EXPECT_TRUE(gets(other, tilted()));
+  EXPECT_FALSE(gets(other, tilted(1))) << "beside it";
+  EXPECT_FALSE(gets(other, tilted(0, 3))) << "a slab around it";
+  v1::SliceRequest steeper = tilted();
+  steeper.mutable_slices(0)->mutable_oblique()->mutable_right()->set_z(0.601);
+  EXPECT_FALSE(gets(other, steeper));
+  v1::SliceRequest straight;
+  straight.add_slices()->set_plane(v1::AXIAL);
+  EXPECT_FALSE(gets(other, straight)) << "a slice of the stack";
+  show_tilted(3);
+  now += std::chrono::seconds(10);
+  EXPECT_TRUE(gets(other, tilted(0, 3)));
+  EXPECT_FALSE(gets(other, tilted()));
+}
+
+TEST_F(ObliqueSlicesTest, GuestsWithoutSlicesGetNone) {
+  const std::uint64_t other = guest();
+  show_tilted();
+  state.audience.guest_slices = false;
+  now += std::chrono::seconds(10);
+  slices.handle(SlicesRequested{connection, tilted()}, state, now);
+  coded(sole<CodeSlice>(load()));
+  EXPECT_FALSE(gets(other, tilted()));
 }
 
 TEST_F(SlicesTest, SendsNothingToGuestsWithoutSliceAccess) {

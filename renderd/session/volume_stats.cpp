@@ -1,6 +1,9 @@
 #include "renderd/session/volume_stats.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -12,19 +15,49 @@ namespace diaphane::render {
 
 namespace {
 
+/// The voxel values of one label.
+struct LabelValues {
+  std::uint64_t voxels = 0;
+  // Exact, because 2^31 voxels of 16 bits have a sum below 2^47 and a sum of squares below 2^61.
+  std::int64_t sum = 0;
+  std::uint64_t squares = 0;
+  std::int32_t minimum = std::numeric_limits<std::int16_t>::max();
+  std::int32_t maximum = std::numeric_limits<std::int16_t>::min();
+
+  void add(std::int32_t value) {
+    ++voxels;
+    sum += value;
+    squares += static_cast<std::uint64_t>(value * value);
+    minimum = std::min(minimum, value);
+    maximum = std::max(maximum, value);
+  }
+  double mean() const { return voxels == 0 ? 0 : double(sum) / double(voxels); }
+  double deviation() const {
+    if (voxels == 0) return 0;
+    const long double n = static_cast<long double>(voxels), mean = sum / n;
+    return double(std::sqrt(std::max(0.0L, squares / n - mean * mean)));
+  }
+};
+
 diaphane::v1::Labels labels_of(const volume::Volume& volume) {
-  std::array<std::uint64_t, volume::kMostLabels + 1> voxels{};
-  for (const std::uint8_t label : volume.label_set.labels.voxels) ++voxels[label];
+  std::array<LabelValues, volume::kMostLabels + 1> values{};
+  const auto& numbers = volume.label_set.labels.voxels;
+  for (std::size_t i = 0; i < numbers.size(); ++i) values.at(numbers[i]).add(volume.voxels[i]);
   const auto& spacing = volume.header.spacing;
   diaphane::v1::Labels labels;
   std::size_t value = 0;
   for (const volume::LabelEntry& entry : volume.label_set.table) {
     const auto& [red, green, blue] = entry.colour;
     auto& label = *labels.add_labels();
+    const LabelValues& of = values.at(++value);
     label.set_number(entry.number);
     label.set_name(entry.name);
     label.set_colour(std::uint32_t{red} << 16 | std::uint32_t{green} << 8 | blue);
-    label.set_volume(static_cast<double>(voxels[++value]) * spacing[0] * spacing[1] * spacing[2]);
+    label.set_volume(static_cast<double>(of.voxels) * spacing[0] * spacing[1] * spacing[2]);
+    label.set_mean(of.mean());
+    label.set_deviation(of.deviation());
+    label.set_minimum(of.minimum);
+    label.set_maximum(of.maximum);
   }
   return labels;
 }

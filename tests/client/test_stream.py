@@ -79,7 +79,9 @@ class Renderer:
             at = asked.slices.slices[0]
             values = np.arange(6, dtype="<i2") - 3 + 1000 * at.index
             planes = values.view(np.uint8).reshape(6, 2).T.tobytes()
-            self.say(slice=pb.ExactSlice(seq=asked.slices.taken + 1, plane=at.plane, index=at.index, columns=3, rows=2, data=zlib.compress(planes)))
+            self.oblique = at.oblique
+            self.say(slice=pb.ExactSlice(seq=asked.slices.taken + 1, plane=at.plane, index=at.index, columns=3, rows=2,
+                                         data=zlib.compress(planes), oblique=at.oblique.id))
         elif kind == "file":
             assert asked.file.video.frames == 10
             self.say(file_progress=pb.FileProgress(done=0.5))
@@ -176,6 +178,16 @@ def test_slices_have_exact_values_and_places(scan):
             session.slice("axial", 4)
         with pytest.raises(ValueError, match="coronal"):
             session.slice("coronal")
+
+
+def test_an_oblique_slice_is_requested_by_its_directions(scan, renderer):
+    with scan.session() as session:
+        tilted = session.oblique(right=(3, 0, 4), down=(0, -2, 0), centre=(1, 1, 1), size=(3, 2), pixel=0.5, thickness=4, projection="maximum")
+    asked = renderer.oblique
+    assert (asked.columns, asked.rows, asked.thickness, asked.projection) == (3, 2, 4, pb.PROJECTION_MAXIMUM)
+    assert tilted.right == pytest.approx((0.3, 0, 0.4)) and tilted.down == pytest.approx((0, -0.5, 0))
+    assert tilted.first == pytest.approx((1 - 0.3, 1 + 0.25, 1 - 0.4))
+    assert tilted.values.shape == (2, 3)
 
 
 def test_a_film_is_saved_with_its_progress(scan, tmp_path):

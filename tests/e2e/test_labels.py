@@ -113,7 +113,7 @@ def test_labels_are_added_listed_shown_and_named(person: Person, tmp_path: Path,
     rows = page.locator(".label-list li")
     expect(rows).to_have_count(2)
     # 19 x 30 x 26 voxels of 3 mm3.
-    expect(rows.first).to_contain_text("44 ml")
+    expect(rows.first).to_contain_text("44.5 ml")
     page.get_by_label("Show the structures in colour").check()
     rows.first.get_by_role("button", name=f"Structure {LEFT}", exact=True).click()
     page.get_by_label("Colour", exact=True).fill("#e01010")

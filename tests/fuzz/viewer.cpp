@@ -80,7 +80,7 @@ class Browser {
 
   void slices(const v1::SliceRequest& request) {
     static const SliceStacks stacks = stacks_of(ball().header);
-    if (const auto noted = queue_.replace(request, stacks); !noted) {
+    if (const auto noted = queue_.replace(request, stacks, ball().header); !noted) {
       MUST(!noted.error().field.empty());
       return;
     }
@@ -89,6 +89,17 @@ class Browser {
       if (!due) return;
       MUST(sent < stacks.size());
       const volume::SliceStack& stack = stacks.at(due->plane);
+      if (due->oblique) {
+        MUST(volume::samples_of(ball().header, *due->oblique) <= volume::kMostSamples);
+        // Few pixels, because a fuzzer needs many runs. Their number changes no access.
+        volume::ObliqueSlice part = *due->oblique;
+        part.columns = std::min(part.columns, 8u);
+        part.rows = std::min(part.rows, 8u);
+        part.thickness = std::min(part.thickness, 16.0);
+        MUST(volume::sample(ball(), part).size() == std::size_t{part.columns} * part.rows);
+        queue_.depart();
+        continue;
+      }
       const auto values = volume::slice_of(ball(), stack, due->index);
       MUST(values && values->size() == std::size_t{stack.columns} * stack.rows);
       queue_.depart();

@@ -1,7 +1,18 @@
 import { describe, expect, it } from "vitest";
 import { vec3 } from "../input/vec3";
-import { longestText, mostMarks, movedTo, newMark, withEnd, type Mark } from "./mark";
+import {
+  longestText,
+  measuredBy,
+  mostMarks,
+  movedTo,
+  newMark,
+  pointsOf,
+  withEnd,
+  withPointFrom,
+  type Mark,
+} from "./mark";
 import { Marks } from "./marks";
+import { saidOf } from "./said";
 
 const at = (x: number) => newMark("text", vec3(x, 0, 0), 0);
 const texts = ({ items }: Marks) => items.value.map(({ text }) => text);
@@ -86,5 +97,34 @@ describe("a mark", () => {
     const circle: Mark = { ...arrow, kind: "circle" };
     expect(withEnd(circle, vec3(1, 3, 4)).radius).toBe(5);
     expect(withEnd(circle, circle.place).radius, "it can still be seen").toBeGreaterThan(0);
+  });
+});
+
+describe("a measurement in space", () => {
+  const ruler: Mark = { ...newMark("ruler", vec3(1, 2, 3), 0), id: 1 };
+  const angle: Mark = { ...newMark("angle", vec3(5, 0, 0), 0), id: 2 };
+
+  it("gets its points one after the other, and the second one of an angle is its vertex", () => {
+    expect(measuredBy(ruler), "both ends are at the first point").toBe(0);
+    const long = withPointFrom(ruler, 1, vec3(4, 6, 15));
+    expect(pointsOf(long)).toEqual([vec3(1, 2, 3), vec3(4, 6, 15)]);
+    expect(measuredBy(long)).toBe(13);
+    const bent = withPointFrom(withPointFrom(angle, 1, vec3(0, 0, 0)), 2, vec3(0, 0, 9));
+    expect(bent).toMatchObject({ place: vec3(0, 0, 0), tail: vec3(5, 0, 0), end: vec3(0, 0, 9) });
+    expect(measuredBy(bent)).toBeCloseTo(90);
+  });
+
+  it("says its value after its text, and an angle without sides says none", () => {
+    const long = withPointFrom(ruler, 1, vec3(4, 6, 15));
+    expect(saidOf(long)).toBe("13.0 mm");
+    expect(saidOf({ ...long, text: "Cyst" })).toBe("Cyst: 13.0 mm");
+    expect(saidOf(angle)).toBe("");
+    expect(saidOf({ ...newMark("text", vec3(0, 0, 0), 0), id: 3, text: "Here" })).toBe("Here");
+  });
+
+  it("moves by its points alone", () => {
+    const long = withPointFrom(ruler, 1, vec3(4, 6, 15));
+    expect(movedTo(long, vec3(0, 0, 0))).toMatchObject({ place: vec3(0, 0, 0), tail: vec3(4, 6, 15) });
+    expect(withEnd(long, vec3(1, 2, 4))).toMatchObject({ place: vec3(1, 2, 3), tail: vec3(1, 2, 4) });
   });
 });

@@ -23,6 +23,7 @@ function isMark(value: unknown): value is Mark {
     typeof one.text === "string" &&
     isPoint(one.place) &&
     isPoint(one.tail) &&
+    (one.end === undefined || isPoint(one.end)) &&
     isNumber(one.radius) &&
     (one.set === undefined || typeof one.set === "string")
   );
@@ -37,8 +38,11 @@ export function marksFromText(text: string | null): RememberedMarks | null {
     const value = JSON.parse(text ?? "null") as Partial<Record<keyof RememberedMarks, unknown>> | null;
     if (value === null || !Array.isArray(value.items) || !value.items.every(isMark)) return null;
     let items: readonly Mark[] = [];
-    for (const { kind, colour, text: said, place, tail, radius, set } of value.items.slice(0, mostMarks)) {
-      const mark = { id: nextId(items), kind, colour: Math.abs(Math.round(colour)) % markColours, place, tail, radius };
+    for (const stored of value.items.slice(0, mostMarks)) {
+      const { kind, colour, text: said, place, tail, radius, set } = stored;
+      const end = (stored as Partial<Mark>).end ?? place; // absent in what an earlier page stored
+      const shape = { kind, place, tail, end, radius };
+      const mark = { id: nextId(items), ...shape, colour: Math.abs(Math.round(colour)) % markColours };
       items = [...items, { ...mark, text: shortText(said), ...(set === undefined ? {} : { set }) }];
     }
     return { items, shown: value.shown !== false, unsaved: textsOf(value.unsaved), hidden: textsOf(value.hidden) };

@@ -73,14 +73,14 @@ export function drawText(canvas: Canvas, at: PlacedText, unit: number, colour: s
   else canvas.fillText(at.text, at.x, at.y);
 }
 
-function strokes(canvas: Canvas, { line, head, circle, dot }: Shapes, colour: string, width: number): void {
+function strokes(canvas: Canvas, { lines, head, circle, dots }: Shapes, colour: string, width: number): void {
   canvas.strokeStyle = colour;
   canvas.fillStyle = colour;
   canvas.lineWidth = width;
   canvas.beginPath();
-  if (line) {
-    canvas.moveTo(line[0].x, line[0].y);
-    canvas.lineTo(line[1].x, line[1].y);
+  for (const [from, to] of lines) {
+    canvas.moveTo(from.x, from.y);
+    canvas.lineTo(to.x, to.y);
   }
   if (circle) {
     canvas.moveTo(circle.at.x + circle.radius, circle.at.y);
@@ -88,10 +88,11 @@ function strokes(canvas: Canvas, { line, head, circle, dot }: Shapes, colour: st
   }
   canvas.stroke();
   if (head.length > 0) filled(canvas, head);
-  if (!dot) return;
-  canvas.beginPath();
-  canvas.arc(dot.x, dot.y, width, 0, 2 * Math.PI);
-  canvas.fill();
+  for (const { x, y } of dots) {
+    canvas.beginPath();
+    canvas.arc(x, y, width, 0, 2 * Math.PI);
+    canvas.fill();
+  }
 }
 
 function filled(canvas: Canvas, points: readonly Point[]): void {

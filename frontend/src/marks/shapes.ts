@@ -1,15 +1,16 @@
 import type { Area, Point } from "../input/flat";
 import type { Mark } from "./mark";
+import { saidOf } from "./said";
 import type { MarkView } from "./view";
 
 /** What is drawn for a mark, in pixels. The page draws it as SVG, and a saved picture on a canvas. */
 export interface Shapes {
-  readonly line: readonly [Point, Point] | null;
+  readonly lines: readonly (readonly [Point, Point])[];
   /** The tip of an arrow as a triangle. */
   readonly head: readonly Point[];
   readonly circle: { readonly at: Point; readonly radius: number } | null;
-  /** The point that a text is about. */
-  readonly dot: Point | null;
+  /** The point that a text is about, or those of a measurement. */
+  readonly dots: readonly Point[];
   readonly text: { readonly at: Point; readonly anchor: "start" | "middle" | "end"; readonly said: string } | null;
 }
 
@@ -22,7 +23,7 @@ const textWidth = 130;
 export function shapesOf(mark: Mark, view: MarkView, area: Area, unit = 1): Shapes | null {
   const at = view.pointOf(mark.place);
   if (!at) return null;
-  const none: Shapes = { line: null, head: [], circle: null, dot: null, text: null };
+  const none: Shapes = { lines: [], head: [], circle: null, dots: [], text: null };
   switch (mark.kind) {
     case "arrow":
       return { ...none, ...arrow(mark, view, at, area, unit) };
@@ -30,11 +31,30 @@ export function shapesOf(mark: Mark, view: MarkView, area: Area, unit = 1): Shap
       const radius = Math.max(leastRadius * unit, view.radiusOf(mark.place, mark.radius));
       const above = at.y - radius - 8 * unit;
       const y = above > 16 * unit ? above : at.y + radius + 18 * unit;
-      return { ...none, circle: { at, radius }, text: { at: { x: at.x, y }, anchor: "middle", said: mark.text } };
+      return { ...none, circle: { at, radius }, text: { at: { x: at.x, y }, anchor: "middle", said: saidOf(mark) } };
     }
     case "text":
-      return { ...none, dot: at, text: { ...beside(at, area, unit), said: mark.text } };
+      return { ...none, dots: [at], text: { ...beside(at, area, unit), said: saidOf(mark) } };
+    case "ruler":
+    case "angle":
+      return { ...none, ...measurement(mark, view, at, area, unit) };
   }
+}
+
+/** A ruler has its value beside its second end, and an angle beside its vertex. A worker draws the same into files. */
+function measurement(mark: Mark, view: MarkView, at: Point, area: Area, unit: number): Partial<Shapes> {
+  const tail = view.pointOf(mark.tail) ?? at;
+  const end = mark.kind === "angle" ? (view.pointOf(mark.end) ?? at) : null;
+  return {
+    lines: end
+      ? [
+          [at, tail],
+          [at, end],
+        ]
+      : [[at, tail]],
+    dots: end ? [at, tail, end] : [at, tail],
+    text: { ...beside(end ? at : tail, area, unit), said: saidOf(mark) },
+  };
 }
 
 function arrow(mark: Mark, view: MarkView, at: Point, area: Area, unit: number): Partial<Shapes> {
@@ -52,12 +72,12 @@ function arrow(mark: Mark, view: MarkView, at: Point, area: Area, unit: number):
   const fits = right ? end.x + textWidth * unit < area.width : end.x > textWidth * unit;
   const anchor = right === fits ? "start" : "end";
   return {
-    line: [end, along(8, 0)],
+    lines: [[end, along(8, 0)]],
     head: [at, along(13, 5.5), along(13, -5.5)],
     text: {
       at: { x: end.x + (anchor === "start" ? 6 : -6) * unit, y: end.y + (fits ? 4 : -8) * unit },
       anchor,
-      said: mark.text,
+      said: saidOf(mark),
     },
   };
 }

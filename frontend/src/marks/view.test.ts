@@ -31,7 +31,7 @@ describe("a mark in the picture", () => {
 
   it("keeps a direction and a length if it points away from the viewer", () => {
     const shapes = shapesOf(mark("arrow", { tail: vec3(0, 30, 0) }), view, screen);
-    const [from, to] = shapes?.line ?? [];
+    const [from, to] = shapes?.lines[0] ?? [];
     expect(Math.hypot((from?.x ?? 0) - 220, (from?.y ?? 0) - 200)).toBeGreaterThan(10);
     expect(to).not.toEqual(from);
   });

@@ -4,7 +4,7 @@ import { beside, frameOf, onScreen, type Eye } from "../picture/project";
 import { perMm, pixelAt, pointOf, type Placing } from "../slices/placing";
 import { inSlice, placeOf, spotOf, type Stack } from "../slices/stack";
 import type { Rectangle } from "../video/picture_in";
-import type { Mark } from "./mark";
+import { measuringPoints, pointsOf, type Mark } from "./mark";
 
 /** How a mark appears: as it is, faint because it lies behind matter or beside the slice, or not at all. */
 export type Look = "plain" | "faint" | "none";
@@ -58,10 +58,12 @@ export function viewOfSlice(stack: Stack, placing: Placing, area: Area, index: n
       const off = away(place);
       return off < radius ? pixels * Math.sqrt(radius * radius - off * off) : pixels * radius;
     },
-    lookOf: ({ kind, place, radius }) => {
-      const off = away(place);
+    lookOf: (mark) => {
+      const { kind, place, radius } = mark;
+      const off = kind in measuringPoints ? Math.max(...pointsOf(mark).map(away)) : away(place);
       if (off === 0 || (kind === "circle" && off < radius)) return "plain";
-      return off <= nearMm ? "faint" : "none";
+      const near = kind in measuringPoints ? Math.min(...pointsOf(mark).map(away)) : off;
+      return near <= nearMm ? "faint" : "none";
     },
   };
 }

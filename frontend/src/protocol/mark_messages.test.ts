@@ -15,9 +15,12 @@ import {
 const arrow: Mark = { ...newMark("arrow", vec3(1, 2, 3), 5), id: 7, text: "Hier", tail: vec3(4, 5, 6) };
 const circle: Mark = { ...newMark("circle", vec3(0, 0, 1), 0), id: 9, radius: 4.5 };
 
+const ruler: Mark = { ...newMark("ruler", vec3(1, 2, 3), 1), id: 10, tail: vec3(9, 8, 7) };
+const angle: Mark = { ...newMark("angle", vec3(1, 2, 3), 2), id: 11, tail: vec3(9, 8, 7), end: vec3(6, 5, 4) };
+
 it("marks reach the others as they are", () => {
-  const { body } = fromBinary(ClientMessageSchema, encodeMarks([arrow, circle]));
-  expect(body.case === "marks" && marksOf(body.value)).toEqual([arrow, circle]);
+  const { body } = fromBinary(ClientMessageSchema, encodeMarks([arrow, circle, ruler, angle]));
+  expect(body.case === "marks" && marksOf(body.value)).toEqual([arrow, circle, ruler, angle]);
 });
 
 it("a mark of an unknown kind is left out", () => {
@@ -28,8 +31,11 @@ it("a mark of an unknown kind is left out", () => {
 it("annotations keep everything but the numbers and the set", () => {
   const measures = [
     { kind: "ruler" as const, plane: "axial" as const, slice: 3, points: [vec3(1, 0, 0), vec3(2, 0, 0)] },
+    { kind: "angle" as const, plane: null, slice: 0, points: [vec3(1, 0, 0), vec3(2, 0, 0), vec3(2, 1, 1)] },
+    { kind: "ellipse" as const, plane: null, slice: 0, points: [vec3(1, 0, 0), vec3(2, 3, 0)], corner: vec3(1, 3, 0) },
   ];
-  const annotations = { marks: [{ ...arrow, set: "a" }, circle], measures: [{ ...measures[0], set: "a" } as never] };
+  const [first, ...rest] = measures;
+  const annotations = { marks: [{ ...arrow, set: "a" }, circle], measures: [{ ...first, set: "a" } as never, ...rest] };
   const expected = {
     marks: [
       { ...arrow, id: 1 },

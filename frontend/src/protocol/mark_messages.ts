@@ -1,5 +1,5 @@
 import { create, fromBinary, fromJson, toBinary, toJson, type JsonValue } from "@bufbuild/protobuf";
-import { markColours, shortText, type Mark, type MarkKind } from "../marks/mark";
+import { markColours, measuringPoints, shortText, type Mark, type MarkKind } from "../marks/mark";
 import type { Measure } from "../slices/measure";
 import { plain } from "./messages";
 import { measurementsOf, measuresOf } from "./shared_messages";
@@ -25,16 +25,23 @@ type Bytes = Uint8Array<ArrayBuffer>;
 const encoded = (body: ClientMessage["body"]): Bytes =>
   toBinary(ClientMessageSchema, create(ClientMessageSchema, { body }));
 
-const kinds: Readonly<Record<MarkKind, Kind>> = { arrow: Kind.ARROW, circle: Kind.CIRCLE, text: Kind.TEXT };
+const kinds: Readonly<Record<MarkKind, Kind>> = {
+  arrow: Kind.ARROW,
+  circle: Kind.CIRCLE,
+  text: Kind.TEXT,
+  ruler: Kind.RULER,
+  angle: Kind.ANGLE,
+};
 
-export const messageOf = ({ id, kind, colour, text, place, tail, radius }: Mark): MarkMessage =>
+export const messageOf = ({ id, kind, colour, text, place, tail, end, radius }: Mark): MarkMessage =>
   create(MarkSchema, {
     id,
     kind: kinds[kind],
     colour,
     text,
     place: create(Vec3Schema, place),
-    ...(kind === "arrow" ? { tail: create(Vec3Schema, tail) } : {}),
+    ...(kind === "arrow" || kind in measuringPoints ? { tail: create(Vec3Schema, tail) } : {}),
+    ...(kind === "angle" ? { end: create(Vec3Schema, end) } : {}),
     radius: kind === "circle" ? radius : 0,
   });
 
@@ -53,6 +60,7 @@ export function marksOf(marks: Marks | undefined): readonly Mark[] {
         text: shortText(one.text),
         place: plain(one.place),
         tail: plain(one.tail),
+        end: plain(one.end),
         radius: one.radius,
       },
     ];

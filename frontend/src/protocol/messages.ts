@@ -2,8 +2,9 @@ import { create, fromBinary, toBinary, equals, fromJsonString, toJsonString } fr
 import type { CameraPose } from "../input/camera";
 import { length, subtract, vec3, type Vec3 } from "../input/vec3";
 import { fullEffort, type Effort } from "../scene/effort";
-import type { Plane, Stack } from "../slices/stack";
-import type { Coming, SliceId } from "../slices/store";
+import type { Projection } from "../slices/oblique";
+import { placeOf, type Oblique, type Plane, type Stack } from "../slices/stack";
+import type { Coming, WantedSlice } from "../slices/store";
 import {
   AckSchema,
   AnatomicalPlane,
@@ -16,6 +17,8 @@ import {
   HandoverSchema,
   HelloSchema,
   NeedKeySchema,
+  ObliqueSliceSchema,
+  Projection as ProjectionNumber,
   SceneUpdateSchema,
   ServerMessageSchema,
   SliceAccess,
@@ -174,18 +177,41 @@ export const planeNumbers: Readonly<Record<Plane, AnatomicalPlane>> = {
 export const planeOf = (number: AnatomicalPlane): Plane | null =>
   (Object.entries(planeNumbers) as [Plane, AnatomicalPlane][]).find(([, one]) => one === number)?.[0] ?? null;
 
-export function encodeSlices(lacking: readonly SliceId[], taken: bigint): Bytes {
+export const projectionNumbers: Readonly<Record<Projection, ProjectionNumber>> = {
+  mean: ProjectionNumber.MEAN,
+  maximum: ProjectionNumber.MAXIMUM,
+  minimum: ProjectionNumber.MINIMUM,
+};
+
+export function encodeSlices(lacking: readonly WantedSlice[], taken: bigint): Bytes {
   const value = create(SliceRequestSchema, {
     taken,
-    slices: lacking.map(({ plane, index }) => ({ plane: planeNumbers[plane], index })),
+    slices: lacking.map(({ plane, index, stack }) => ({
+      plane: planeNumbers[plane],
+      index,
+      ...(stack?.oblique ? { oblique: obliqueOf(stack, stack.oblique, index) } : {}),
+    })),
   });
   return encoded(create(ClientMessageSchema, { body: { case: "slices", value } }));
 }
 
+const obliqueOf = (stack: Stack, { id, slab }: Oblique, slice: number) =>
+  create(ObliqueSliceSchema, {
+    id,
+    columns: stack.columns,
+    rows: stack.rows,
+    first: create(Vec3Schema, placeOf(stack, { column: 0, row: 0, slice })),
+    right: create(Vec3Schema, stack.right),
+    down: create(Vec3Schema, stack.down),
+    thickness: slab.mm,
+    projection: projectionNumbers[slab.projection],
+  });
+
 /** Returns null if the slice belongs to a plane that this page does not know. */
-export function comingSlice({ seq, plane, index, columns, rows, data }: ExactSlice): Coming | null {
+export function comingSlice({ seq, plane, index, columns, rows, data, oblique }: ExactSlice): Coming | null {
   const known = planeOf(plane);
-  return known && { seq, plane: known, index, columns, rows, data: data as Uint8Array<ArrayBuffer> };
+  const bytes = data as Uint8Array<ArrayBuffer>;
+  return known && { seq, plane: known, index, columns, rows, data: bytes, ...(oblique ? { oblique } : {}) };
 }
 
 /** Returns the complete stacks. Earlier versions of the server send none. */

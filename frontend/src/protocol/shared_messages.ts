@@ -2,10 +2,12 @@ import { create, toBinary } from "@bufbuild/protobuf";
 import { vec3, type Vec3 } from "../input/vec3";
 import { measureKinds, type Measure, type MeasureKind } from "../slices/measure";
 import type { Placing } from "../slices/placing";
+import { projections, slabFrom, tiltFrom, type Tilt } from "../slices/oblique";
 import type { PresentedSlices } from "../slices/presented";
 import { planes, type Plane } from "../slices/stack";
-import { plain, planeNumbers, planeOf } from "./messages";
+import { plain, planeNumbers, planeOf, projectionNumbers } from "./messages";
 import {
+  AnatomicalPlane,
   ClientMessageSchema,
   GuestPointersSchema,
   Measurements_Kind as Kind,
@@ -17,6 +19,7 @@ import {
   SharedTakenSchema,
   SliceView_Layout as Layout,
   SliceView_PlacingSchema as PlacingSchema,
+  SliceView_TiltSchema as TiltSchema,
   SliceViewSchema,
   type ClientMessage,
   type Measurements,
@@ -54,12 +57,37 @@ export function encodeSliceView(shown: PresentedSlices): Bytes {
     crosshair: vector(shown.crosshair),
     smooth: shown.smooth,
     overlay: shown.overlay,
+    slab: shown.slab.mm,
+    projection: projectionNumbers[shown.slab.projection],
+    tilts: tiltsOf(shown.tilt),
     placings: planes.flatMap((plane) => {
       const placing = shown.placings[plane];
       return placing ? [create(PlacingSchema, { ...placing, plane: planeNumbers[plane] })] : [];
     }),
   });
   return encoded({ case: "sliceView", value });
+}
+
+const tiltsOf = (tilt: Tilt | null) =>
+  planes.flatMap((plane) =>
+    tilt
+      ? [
+          create(TiltSchema, {
+            plane: planeNumbers[plane],
+            right: vector(tilt[plane].right),
+            down: vector(tilt[plane].down),
+          }),
+        ]
+      : [],
+  );
+
+function tiltOf({ tilts }: SliceView): Tilt | null {
+  const tilt: Partial<Record<Plane, unknown>> = {};
+  for (const { plane, right, down } of tilts) {
+    const known = planeOf(plane);
+    if (known) tilt[known] = { right: plain(right), down: plain(down) };
+  }
+  return tiltFrom(tilt);
 }
 
 function layoutOf(view: NonNullable<PresentedSlices["view"]>) {
@@ -93,6 +121,11 @@ export function presentedOf(view: SliceView): PresentedSlices {
     window: { centre: view.windowCentre, width: view.windowWidth },
     smooth: view.smooth,
     overlay: view.overlay,
+    tilt: tiltOf(view),
+    slab: slabFrom({
+      mm: view.slab,
+      projection: projections.find((one) => projectionNumbers[one] === view.projection),
+    }),
     placings,
   };
 }
@@ -100,8 +133,13 @@ export function presentedOf(view: SliceView): PresentedSlices {
 const kinds: Readonly<Record<MeasureKind, Kind>> = { ruler: Kind.RULER, angle: Kind.ANGLE, ellipse: Kind.ELLIPSE };
 
 export function measurementsOf(measures: readonly Measure[]): Measurements {
-  const items = measures.map(({ kind, plane, slice, points }) =>
-    create(MeasurementSchema, { kind: kinds[kind], plane: planeNumbers[plane], slice, points: points.map(vector) }),
+  const items = measures.map(({ kind, plane, slice, points, corner }) =>
+    create(MeasurementSchema, {
+      kind: kinds[kind],
+      slice,
+      points: [...points, ...(corner ? [corner] : [])].map(vector),
+      ...(plane === null ? {} : { plane: planeNumbers[plane] }),
+    }),
   );
   return create(MeasurementsSchema, { items });
 }
@@ -114,9 +152,12 @@ export function measuresOf({ items }: Measurements): readonly Measure[] {
   return items.flatMap(({ kind, plane, slice, points }) => {
     const knownKind = measureKinds.find((one) => kinds[one] === kind);
     const knownPlane = planeOf(plane);
-    return knownKind && knownPlane
-      ? [{ kind: knownKind, plane: knownPlane, slice, points: points.map((point) => plain(point)) }]
-      : [];
+    if (!knownKind || (!knownPlane && plane !== AnatomicalPlane.ANATOMICAL_PLANE_UNSPECIFIED)) return [];
+    const measure = { kind: knownKind, plane: knownPlane, slice, points: points.map((point) => plain(point)) };
+    const [a, b, corner] = measure.points;
+    return knownPlane === null && knownKind === "ellipse" && a && b && corner
+      ? [{ ...measure, points: [a, b], corner }]
+      : [measure];
   });
 }
 

@@ -32,7 +32,7 @@ import { encodeFile, encodeFileTaken, type FileOrder, type FilePart } from "./fi
 import type { StreamEvents } from "./stream_events";
 import { SilenceWatch, type SilenceDependencies } from "./silence_watch";
 import { fullEffort, type Effort } from "../scene/effort";
-import type { SliceId } from "../slices/store";
+import type { WantedSlice } from "../slices/store";
 
 /** Returns a worker's one-time URL, or why there is none. Every connection attempt calls it again. */
 export type TicketSource = (
@@ -207,7 +207,7 @@ export class StreamClient {
   }
 
   /** Requests the missing slices. After a reconnection, the caller requests them again. */
-  wantSlices(lacking: readonly SliceId[], taken: bigint): void {
+  wantSlices(lacking: readonly WantedSlice[], taken: bigint): void {
     if (this.state.phase === "live") this.socket?.send(encodeSlices(lacking, taken));
   }
 

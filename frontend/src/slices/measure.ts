@@ -11,9 +11,12 @@ const pointsOf: Readonly<Record<MeasureKind, number>> = { ruler: 2, angle: 3, el
  */
 export interface Measure {
   readonly kind: MeasureKind;
-  readonly plane: Plane;
+  /** Null if it was made in an oblique slice. It is shown in every slice that contains it. */
+  readonly plane: Plane | null;
   readonly slice: number;
   readonly points: readonly Vec3[];
+  /** A third corner of the rectangle around an ellipse without a plane, in the column of the first one. */
+  readonly corner?: Vec3;
   /** The saved set that the measurement belongs to. Absent if it is not saved. */
   readonly set?: string;
 }
@@ -38,7 +41,7 @@ export function measured({ kind, points }: Measure): number | null {
 export function withPoint(
   measures: readonly Measure[],
   kind: MeasureKind,
-  plane: Plane,
+  plane: Plane | null,
   slice: number,
   point: Vec3,
 ): readonly Measure[] {
@@ -47,6 +50,29 @@ export function withPoint(
   if (!last || isWhole(last) || last.kind !== kind || last.plane !== plane || last.slice !== slice)
     return [...done, { kind, plane, slice, points: [point] }];
   return [...done, { ...last, points: [...last.points, point] }];
+}
+
+/** Tolerance in pixels for points that lie in a slice or a row, which are computed with rounding errors. */
+const rounding = 1e-3;
+
+/** Whether a slice shows a measurement: it was made there, or lies within the slice. */
+export function isInSlice(measure: Measure, stack: Stack, index: number): boolean {
+  const { kind, plane, slice, points, corner } = measure;
+  if (plane !== null && !stack.oblique) return plane === stack.plane && slice === index;
+  const half = Math.max(0.5, (stack.oblique?.slab.mm ?? 0) / 2 / length(stack.next)) + rounding;
+  const spots = [...points, ...(corner ? [corner] : [])].map((point) => spotOf(stack, point));
+  if (!spots.every((spot) => Math.abs(spot.slice - index) <= half)) return false;
+  const [a, b, third] = spots;
+  if (kind !== "ellipse" || !a || !b) return true;
+  return third !== undefined && Math.abs(third.column - a.column) + Math.abs(third.row - b.row) < 2 * rounding;
+}
+
+/** Notes the direction of an ellipse that was made or changed in a slice of `stack`. */
+export function withCorner(stack: Stack, measure: Measure): Measure {
+  const [a, b] = measure.points;
+  if (measure.plane !== null || measure.kind !== "ellipse" || !a || !b) return measure;
+  const [one, other] = [spotOf(stack, a), spotOf(stack, b)];
+  return { ...measure, corner: placeOf(stack, { ...one, row: other.row }) };
 }
 
 /** Moves the last point of the last measurement, while it is dragged. */
@@ -111,7 +137,7 @@ export function handleNear(
   let nearest: Held | null = null;
   let least = reach;
   measures.forEach((one, measure) => {
-    if (one.plane !== stack.plane || one.slice !== slice || !isWhole(one)) return;
+    if (!isInSlice(one, stack, slice) || !isWhole(one)) return;
     handlesOf(stack, one).forEach((at, handle) => {
       const away = length(subtract(at, place));
       if (away > least) return;

@@ -1,6 +1,7 @@
 import { isNumber, isPoint, type Vec3 } from "../input/vec3";
 import { clamp } from "../scene/numbers";
 import { isWhole, measureKinds, type Measure, type MeasureKind } from "./measure";
+import { slabFrom, tiltFrom, type Slab, type Tilt } from "./oblique";
 import { planes, type Plane } from "./stack";
 import type { Window } from "./window";
 
@@ -21,6 +22,8 @@ export interface RememberedSlices {
   readonly measures: readonly Measure[];
   readonly smooth: boolean;
   readonly overlay: OverlaySetting;
+  readonly tilt: Tilt | null;
+  readonly slab: Slab;
 }
 
 /** Maximum number of measurements to remember. The newest are kept. */
@@ -32,7 +35,8 @@ function isMeasure(value: unknown): value is Measure {
     typeof one === "object" &&
     one !== null &&
     measureKinds.includes(one.kind as MeasureKind) &&
-    planes.includes(one.plane as Plane) &&
+    (one.plane === null || planes.includes(one.plane as Plane)) &&
+    (one.corner === undefined || isPoint(one.corner)) &&
     isNumber(one.slice) &&
     Array.isArray(one.points) &&
     one.points.every(isPoint) &&
@@ -65,6 +69,8 @@ export function slicesFromText(text: string | null): RememberedSlices | null {
       measures: value.measures,
       smooth: value.smooth !== false,
       overlay: overlayFrom(value.overlay),
+      tilt: tiltFrom(value.tilt),
+      slab: slabFrom(value.slab),
     };
   } catch {
     return null;

@@ -5,13 +5,22 @@ import { rgb } from "../scene/colour";
 import { someScene } from "../scene/testing";
 import { slicesFromText, slicesToText } from "./memory";
 import { Slices } from "./model";
-import type { SliceId } from "./store";
+import type { WantedSlice } from "./store";
+import { placeOf } from "./stack";
 import { axial, coronal, sagittal } from "./testing";
 
-const header = { contentHash: "a", windowCenter: 40, windowWidth: 400, minimum: 0, maximum: 9, percentiles: [] };
+const header = {
+  contentHash: "a",
+  windowCenter: 40,
+  windowWidth: 400,
+  minimum: 0,
+  maximum: 9,
+  percentiles: [],
+  spacing: [1, 2, 3],
+};
 
 describe("the slices of a scan", () => {
-  let asked: (readonly SliceId[])[] = [];
+  let asked: (readonly WantedSlice[])[] = [];
   let frames: FrameRequestCallback[] = [];
   beforeEach(() => {
     asked = [];
@@ -208,5 +217,80 @@ describe("the slices of a scan", () => {
     slices.setWindow({ centre: 1, width: 2 });
     slices.configured([axial, sagittal, coronal], { ...header, contentHash: "" });
     expect(slices.window.value).toEqual({ centre: 1, width: 2 });
+  });
+
+  it("can be tilted about the crosshair, which the server is asked for by geometry", () => {
+    const slices = begun();
+    slices.open.value = true;
+    slices.turn("axial", 30);
+    expect(frame()).toEqual([
+      expect.stringContaining("axial"),
+      expect.stringContaining("sagittal"),
+      expect.stringContaining("coronal"),
+    ]);
+    const [first] = asked.at(-1) ?? [];
+    expect(first?.oblique).toBeGreaterThan(0);
+    expect(first?.stack).toBe(slices.stacks.value.get("axial"));
+    const id = first?.oblique;
+    slices.turn("axial", 1);
+    frame();
+    expect(asked.at(-1)?.[0]?.oblique, "another direction is another slice").not.toBe(id);
+    slices.straighten();
+    expect(slices.stacks.value).toBe(slices.straight.value);
+  });
+
+  it("keep the place in their view when they are tilted or become thick, and are straight after a reset", () => {
+    const slices = begun();
+    slices.place(axial, { zoom: 3, column: axial.columns - 1, row: 1 });
+    const middle = () => {
+      const stack = slices.stacks.value.get("axial") ?? axial;
+      const { column, row } = slices.placing(stack);
+      return placeOf(stack, { column, row, slice: slices.index(stack) });
+    };
+    const before = middle();
+    slices.setSlab({ mm: 500, projection: "maximum" });
+    expect(slices.slab.value.mm, "at most 100 mm").toBe(100);
+    expect(middle().x).toBeCloseTo(before.x);
+    expect(middle().y).toBeCloseTo(before.y);
+    slices.turn("axial", 10); // keeps the axial plane
+    expect(middle().x).toBeCloseTo(before.x);
+    slices.reset();
+    expect(slices.slab.value.mm).toBe(0);
+    expect(slices.stacks.value).toBe(slices.straight.value);
+  });
+
+  it("keep their tilt and slab across a reload and for followers, who return to their own", () => {
+    const slices = begun();
+    slices.open.value = true;
+    slices.turn("coronal", 20);
+    slices.setSlab({ mm: 5, projection: "minimum" });
+    const stored = slicesFromText(slicesToText(slices.remembered() as never));
+    const again = new Slices(() => undefined, stored);
+    again.configured([axial, sagittal, coronal], header);
+    again.allow("whole");
+    expect(again.tilt.value).toEqual(slices.tilt.value);
+    expect(again.slab.value).toEqual(slices.slab.value);
+    const follower = begun();
+    follower.follow(slices.presented());
+    expect(follower.tilt.value).toEqual(slices.tilt.value);
+    expect(follower.slab.value).toEqual(slices.slab.value);
+    follower.unfollow();
+    expect(follower.tilt.value).toBeNull();
+    expect(follower.slab.value.mm).toBe(0);
+  });
+
+  it("measure in space while they are tilted", () => {
+    const slices = begun();
+    slices.turn("axial", 25);
+    const stack = slices.stacks.value.get("coronal") ?? coronal;
+    const place = (column: number) => placeOf(stack, { column, row: 8, slice: slices.index(stack) });
+    slices.setPoint(stack, "ruler", place(5));
+    slices.setPoint(stack, "ruler", place(9));
+    expect(slices.measures.value).toMatchObject([{ plane: null, kind: "ruler" }]);
+    expect(slices.hold(stack, place(9), 0.5)).toBe(true);
+    slices.moveHeld(stack, place(7));
+    expect(slices.measures.value[0]?.points[1]).toEqual(place(7));
+    slices.scroll(stack, 1);
+    expect(slices.hold(stack, place(5), 0.5), "it lies in the other slice").toBe(false);
   });
 });

@@ -1,10 +1,25 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 import { add, scale, vec3, type Vec3 } from "../input/vec3";
+import { clamp } from "../scene/numbers";
 import { inflate } from "./coding";
 import { lookColours } from "./look_colours";
-import { handleNear, isWhole, measureKinds, withHandle, withoutLast, type Held, type Measure } from "./measure";
+import {
+  handleNear,
+  isInSlice,
+  isWhole,
+  measureKinds,
+  withCorner,
+  withHandle,
+  withLastPoint,
+  withoutLast,
+  withPoint,
+  type Held,
+  type Measure,
+  type MeasureKind,
+} from "./measure";
 import { firstOverlay, type OverlaySetting, type RememberedSlices } from "./memory";
-import { wholeSlice, type Placing } from "./placing";
+import { noSlab, obliqueStack, slabLimits, straightTilt, turned, type Slab, type Tilt } from "./oblique";
+import { carried, wholeSlice, type Placing } from "./placing";
 import { joined, mostPresented, type PresentedSlices, type Shown } from "./presented";
 import type { TransferFunction } from "../protocol/gen/api/proto/scene_pb";
 import { heldWithin, inSlice, pixelOf, planes, type Plane, type Stack } from "./stack";
@@ -12,12 +27,15 @@ import { SliceStore, type Coming, type StoreParts } from "./store";
 import { bounded, firstWindow, tableOf, type Window } from "./window";
 
 /** The tools for the left button or one finger. */
-export const tools = ["window", "crosshair", ...measureKinds] as const;
+export const tools = ["window", "crosshair", "tilt", ...measureKinds] as const;
 export type Tool = (typeof tools)[number];
 
 export type { Shown };
 
-type Header = Parameters<typeof firstWindow>[0] & { readonly contentHash: string };
+type Header = Parameters<typeof firstWindow>[0] & {
+  readonly contentHash: string;
+  readonly spacing: readonly number[];
+};
 const middle = vec3(0, 0, 0);
 
 /** The view to which a viewer returns after following someone else. */
@@ -35,10 +53,16 @@ export type Access = "none" | "shown" | "clipped" | "whole";
 
 /** The state of the slice views. It persists while views open and close. */
 export class Slices {
-  readonly stacks = signal<ReadonlyMap<Plane, Stack>>(new Map());
+  /** The stacks of the server, along the patient's axes. */
+  readonly straight = signal<ReadonlyMap<Plane, Stack>>(new Map());
+  /** The directions of tilted planes, or null while they lie along the patient's axes. */
+  readonly tilt = signal<Tilt | null>(null);
+  readonly slab = signal<Slab>(noSlab);
+  /** The stacks that are shown. */
+  readonly stacks = computed(() => this.shownStacks());
   readonly access = signal<Access>("none");
   /** Whether there are slices to show. */
-  readonly available = computed(() => this.access.value !== "none" && this.stacks.value.size > 0);
+  readonly available = computed(() => this.access.value !== "none" && this.straight.value.size > 0);
   /** Whether slices are shown. If not, only the 3D picture is shown. */
   readonly open = signal(false);
   readonly shown = signal<Shown>("four");
@@ -84,6 +108,9 @@ export class Slices {
   private readonly stopEffect: () => void;
   private first: Window = this.window.value;
   private knowsRange = true;
+  /** The smallest distance of stored voxels in mm. */
+  private spacing = 1;
+  private obliqueId = 0;
   private volume: string | null = null;
   /** This viewer's own view, while another is followed. */
   private own: OwnView | null = null;
@@ -109,7 +136,7 @@ export class Slices {
       for (const plane of planes) {
         const stack = this.stacks.value.get(plane);
         const visible = stack && (this.view.value === "four" || this.view.value === plane);
-        this.store.show(plane, visible ? pixelOf(stack, this.crosshair.value).slice : null);
+        this.store.show(plane, visible ? pixelOf(stack, this.crosshair.value).slice : null, stack);
       }
     });
   }
@@ -126,7 +153,8 @@ export class Slices {
     if (header && volume !== undefined && volume !== this.volume) {
       this.volume = volume;
       this.store.clear();
-      this.stacks.value = new Map(stacks.map((stack) => [stack.plane, stack]));
+      this.straight.value = new Map(stacks.map((stack) => [stack.plane, stack]));
+      this.spacing = Math.min(...header.spacing);
       this.first = firstWindow(header);
       this.knowsRange = header.windowWidth > 0 || header.percentiles.length > 0;
       this.reset();
@@ -167,7 +195,14 @@ export class Slices {
 
   /** Returns the values of the slice at the crosshair, or null until they have arrived. */
   values(stack: Stack): Int16Array<ArrayBuffer> | null {
-    return this.received.value >= 0 ? this.store.get({ plane: stack.plane, index: this.index(stack) }) : null;
+    const { plane, oblique } = stack;
+    return this.received.value >= 0 ? this.store.get({ plane, index: this.index(stack), oblique: oblique?.id }) : null;
+  }
+
+  /** Returns what is drawn: the slice, or while it is turned and has not arrived, the one before. */
+  drawnValues(stack: Stack): Int16Array<ArrayBuffer> | null {
+    const before = () => this.store.newestOblique(stack.plane, stack.columns * stack.rows);
+    return this.values(stack) ?? (stack.oblique ? before() : null);
   }
 
   valueAt(stack: Stack, place: Vec3): number | null {
@@ -201,6 +236,47 @@ export class Slices {
     this.placings.value = { ...this.placings.value, [stack.plane]: placing };
   }
 
+  /** Turns the other two planes about the crosshair, clockwise in the view of `plane`. */
+  turn(plane: Plane, degrees: number): void {
+    const tilt = this.tilt.value ?? straightTilt(this.straight.value);
+    if (tilt) this.reshape(() => (this.tilt.value = turned(tilt, plane, (Math.PI / 180) * degrees)));
+  }
+
+  straighten(): void {
+    this.reshape(() => (this.tilt.value = null));
+  }
+
+  setSlab({ mm, projection }: Slab): void {
+    this.reshape(() => (this.slab.value = { mm: clamp(mm, slabLimits.low, slabLimits.high), projection }));
+  }
+
+  /** Changes the stacks, and keeps what the views show in its place. */
+  private reshape(change: () => void): void {
+    const before = this.stacks.value;
+    batch(() => {
+      this.held.value = null;
+      change();
+      const placings = Object.entries(this.placings.value) as [Plane, Placing][];
+      this.placings.value = Object.fromEntries(
+        placings.map(([plane, placing]) => {
+          const [from, to] = [before.get(plane), this.stacks.value.get(plane)];
+          return [plane, from && to ? carried(placing, from, to) : placing];
+        }),
+      );
+    });
+  }
+
+  private shownStacks(): ReadonlyMap<Plane, Stack> {
+    const straight = this.straight.value;
+    const slab = this.slab.value;
+    const tilt = this.tilt.value ?? (slab.mm > 0 ? straightTilt(straight) : null);
+    if (!tilt) return straight;
+    const parts = { slab, spacing: this.spacing, id: ++this.obliqueId };
+    return new Map(
+      [...straight].map(([plane, stack]) => [plane, obliqueStack({ straight: stack, axes: tilt[plane], ...parts })]),
+    );
+  }
+
   setWindow(window: Window): void {
     this.window.value = bounded(window);
   }
@@ -222,10 +298,24 @@ export class Slices {
     if (!held) return;
     const index = this.index(stack);
     this.measures.value = this.measures.value.map((one, i) =>
-      i === held.measure && one.plane === stack.plane && one.slice === index
-        ? withHandle(stack, one, held.handle, to)
+      i === held.measure && isInSlice(one, stack, index)
+        ? withCorner(stack, withHandle(stack, one, held.handle, to))
         : one,
     );
+  }
+
+  /** Adds a point in the shown slice to a measurement. */
+  setPoint(stack: Stack, kind: MeasureKind, place: Vec3): void {
+    const [plane, index] = stack.oblique ? [null, 0] : [stack.plane, this.index(stack)];
+    this.setLast(stack, withPoint(this.measures.value, kind, plane, index, place));
+  }
+
+  moveLastPoint(stack: Stack, place: Vec3): void {
+    this.setLast(stack, withLastPoint(this.measures.value, place));
+  }
+
+  private setLast(stack: Stack, measures: readonly Measure[]): void {
+    this.measures.value = measures.map((one, i) => (i === measures.length - 1 ? withCorner(stack, one) : one));
   }
 
   removeLastMeasure(): void {
@@ -250,6 +340,8 @@ export class Slices {
       measures: this.measures.value,
       smooth: this.smooth.value,
       overlay: this.overlay.value,
+      tilt: this.tilt.value,
+      slab: this.slab.value,
     };
   }
 
@@ -262,6 +354,8 @@ export class Slices {
       window: this.window.value,
       smooth: this.smooth.value,
       overlay: shown ? strength : 0,
+      tilt: this.tilt.value,
+      slab: this.slab.value,
       placings: this.placings.value,
     };
   }
@@ -294,6 +388,8 @@ export class Slices {
       this.setWindow(presented.window);
       this.smooth.value = presented.smooth;
       this.overlay.value = { shown: presented.overlay > 0, strength: presented.overlay || firstOverlay.strength };
+      this.tilt.value = presented.tilt;
+      this.slab.value = presented.slab;
       this.placings.value = presented.placings;
     });
   }
@@ -336,7 +432,9 @@ export class Slices {
     this.following.value = false;
   }
 
-  private restore({ open, crosshair, window, measures, smooth, overlay }: RememberedSlices): void {
+  private restore({ open, crosshair, window, measures, smooth, overlay, tilt, slab }: RememberedSlices): void {
+    this.tilt.value = tilt;
+    this.slab.value = slab;
     const axial = this.stacks.value.get("axial");
     if (axial) this.pointAt(axial, crosshair);
     this.setWindow(window);
@@ -346,8 +444,10 @@ export class Slices {
     this.open.value = open;
   }
 
-  /** Resets the zoom, the crosshair and the window. Measurements stay. */
+  /** Resets the zoom, the crosshair, the window, the tilt and the slab. Measurements stay. */
   reset(): void {
+    this.tilt.value = null;
+    this.slab.value = noSlab;
     const axial = this.stacks.value.get("axial");
     this.crosshair.value = axial ? heldWithin(axial, middle) : middle;
     this.placings.value = {};

@@ -1,4 +1,5 @@
 import type { Area, Point } from "../input/flat";
+import { length } from "../input/vec3";
 import { clamp } from "../scene/numbers";
 import { pixelSize, type Stack } from "./stack";
 
@@ -21,12 +22,24 @@ export const wholeSlice = (stack: Stack): Placing => ({
 
 /** Returns the pixels of the view per mm. A margin stays free for the letters at the edges. */
 export function perMm(stack: Stack, placing: Placing, area: Area): number {
-  const { width, height } = pixelSize(stack);
-  return (
-    0.94 *
-    placing.zoom *
-    Math.max(1e-6, Math.min(area.width / (stack.columns * width), area.height / (stack.rows * height)))
-  );
+  const { width, height } = stack.oblique?.fit ?? sizeOf(stack);
+  return 0.94 * placing.zoom * Math.max(1e-6, Math.min(area.width / width, area.height / height));
+}
+
+const sizeOf = (stack: Stack) => ({
+  width: stack.columns * length(stack.right),
+  height: stack.rows * length(stack.down),
+});
+
+/** Returns the same place of a slice in a stack with other pixels. Both are centred at the same point. */
+export function carried(placing: Placing, from: Stack, to: Stack): Placing {
+  const middles = { from: wholeSlice(from), to: wholeSlice(to) };
+  const [a, b] = [pixelSize(from), pixelSize(to)];
+  return {
+    zoom: placing.zoom,
+    column: middles.to.column + ((placing.column - middles.from.column) * a.width) / b.width,
+    row: middles.to.row + ((placing.row - middles.from.row) * a.height) / b.height,
+  };
 }
 
 interface Flat {

@@ -1,5 +1,6 @@
 import type { Vec3 } from "../input/vec3";
 import type { Measure } from "./measure";
+import type { Slab, Tilt } from "./oblique";
 import type { Placing } from "./placing";
 import type { Plane } from "./stack";
 import type { Window } from "./window";
@@ -16,6 +17,8 @@ export interface PresentedSlices {
   readonly smooth: boolean;
   /** Opacity of the look's colours over the grey, from 0 to 1. */
   readonly overlay: number;
+  readonly tilt: Tilt | null;
+  readonly slab: Slab;
   readonly placings: Readonly<Partial<Record<Plane, Placing>>>;
 }
 

@@ -37,6 +37,22 @@ describe("the values in an ellipse", () => {
     expect(region).toMatchObject({ pixels: 5, mean: 7, minimum: -93, maximum: 107 });
     expect(region?.deviation).toBeCloseTo(Math.sqrt((2 * 100 ** 2 + 2 * 10 ** 2) / 5), 9);
   });
+  it("are those of its own place if it was made in an oblique slice, which has no number", () => {
+    const deep: Stack = { ...stack, slices: 41 };
+    const at = (one: Measure): Measure => ({
+      ...one,
+      plane: null,
+      points: one.points.map((point) => vec3(point.x, point.y, point.z + 60)),
+    });
+    const isInside = (place: { readonly z: number }) => Math.abs(place.z - 64) < 1;
+    expect(
+      regionOf(
+        deep,
+        at(ellipse(10, 20, 1.2, 1.2)),
+        slice(() => 5, { isInside }),
+      )?.pixels,
+    ).toBe(5);
+  });
   it("do not include the surroundings of a phantom", () => {
     const phantom = slice((x, y) => (Math.hypot((x - 60) / 30, (y - 45) / 20) <= 1 ? 100 : -1000));
     expect(regionOf(stack, ellipse(60, 45, 29, 19), phantom)).toMatchObject({ mean: 100, deviation: 0, minimum: 100 });

@@ -58,7 +58,10 @@ export function regionOf(stack: Stack, measure: Measure, { values, isInside, cli
   const ellipse = ellipseOf(stack, measure);
   if (!ellipse) return null;
   const { column, row, across, down } = ellipse;
-  const place = (x: number, y: number) => placeOf(stack, { column: x, row: y, slice: measure.slice });
+  // An ellipse that was made in an oblique slice has no number of a slice.
+  const [corner] = measure.points;
+  const slice = measure.plane === null && corner ? spotOf(stack, corner).slice : measure.slice;
+  const place = (x: number, y: number) => placeOf(stack, { column: x, row: y, slice });
   // The volume is convex, so the pixels need no check if the rectangle around the ellipse is inside.
   const allInside = [-across, across].every((x) => [-down, down].every((y) => isInside(place(column + x, row + y))));
   let pixels = 0;

@@ -15,6 +15,17 @@ export interface Stack {
   readonly right: Vec3;
   readonly down: Vec3;
   readonly next: Vec3;
+  /** Absent if the slices are stored ones along the patient's axes. */
+  readonly oblique?: Oblique;
+}
+
+/** What is known of slices in another direction, or with a thickness. */
+export interface Oblique {
+  /** A number that identifies the direction and the slab. */
+  readonly id: number;
+  readonly slab: { readonly mm: number; readonly projection: "mean" | "maximum" | "minimum" };
+  /** The size in mm that fits the view at zoom 1. */
+  readonly fit: { readonly width: number; readonly height: number };
 }
 
 /** The value of a clipped slice where nothing is shown. */
@@ -84,12 +95,25 @@ export function sideOf(vector: Vec3): string {
   return sides[axis]?.[(parts[axis] ?? 0) > 0 ? 1 : 0] ?? "";
 }
 
+/** The smallest part of a direction that gets a letter, which is that of 22.5 degrees. */
+const leastPart = Math.sin(Math.PI / 8);
+
+/** Returns the letters of an oblique direction, the largest part first. */
+export function sidesOf(vector: Vec3): string {
+  const parts = [vec3(vector.x, 0, 0), vec3(0, vector.y, 0), vec3(0, 0, vector.z)];
+  return parts
+    .filter((part) => length(part) >= leastPart * length(vector))
+    .sort((a, b) => length(b) - length(a))
+    .map(sideOf)
+    .join("");
+}
+
 /** Returns the letters for the edges of the picture. */
 export const edgesOf = (stack: Stack) => ({
-  right: sideOf(stack.right),
-  left: sideOf(scale(stack.right, -1)),
-  bottom: sideOf(stack.down),
-  top: sideOf(scale(stack.down, -1)),
+  right: sidesOf(stack.right),
+  left: sidesOf(scale(stack.right, -1)),
+  bottom: sidesOf(stack.down),
+  top: sidesOf(scale(stack.down, -1)),
 });
 
 /** Returns a point as a side and a distance from the middle in mm, per axis. */

@@ -1,9 +1,16 @@
 import { valuesOf } from "./coding";
-import { planes, type Plane } from "./stack";
+import { planes, type Plane, type Stack } from "./stack";
 
 export interface SliceId {
   readonly plane: Plane;
   readonly index: number;
+  /** `Oblique.id`. Absent for a stored slice. */
+  readonly oblique?: number | undefined;
+}
+
+/** A slice that is requested. The stack says where an oblique one lies. */
+export interface WantedSlice extends SliceId {
+  readonly stack?: Stack | undefined;
 }
 
 /** A slice as it arrives. */
@@ -16,7 +23,7 @@ export interface Coming extends SliceId {
 
 export interface StoreParts {
   /** Requests the missing slices and reports how many have arrived. */
-  readonly ask: (lacking: readonly SliceId[], taken: bigint) => void;
+  readonly ask: (lacking: readonly WantedSlice[], taken: bigint) => void;
   readonly inflate: (data: Uint8Array<ArrayBuffer>) => Promise<Uint8Array<ArrayBuffer>>;
   /** Runs `task` once before the next screen refresh. */
   readonly nextFrame: (task: () => void) => void;
@@ -28,11 +35,13 @@ export interface StoreParts {
 /** Limit on the voxels that are cached to show slices again without a request: a few hundred slices. */
 export const mostBytes = 64 << 20;
 
-const key = ({ plane, index }: SliceId): string => `${plane} ${index}`;
+const key = ({ plane, index, oblique }: SliceId): string => `${plane} ${index} ${oblique ?? 0}`;
 
 /** Requests and caches the slices on the screen. Only the newest request per plane counts. */
 export class SliceStore {
-  private readonly shown = new Map<Plane, number>();
+  private readonly shown = new Map<Plane, WantedSlice>();
+  /** The newest oblique slice of each plane. */
+  private readonly newest = new Map<Plane, Int16Array<ArrayBuffer>>();
   /** Cached slices, the least recently used first. */
   private readonly kept = new Map<string, Int16Array<ArrayBuffer>>();
   private readonly beingRead = new Set<string>();
@@ -44,10 +53,13 @@ export class SliceStore {
   constructor(private readonly parts: StoreParts) {}
 
   /** Shows a slice of a plane, or none if `index` is null. */
-  show(plane: Plane, index: number | null): void {
-    if (index === this.shown.get(plane)) return;
-    if (index === null) this.shown.delete(plane);
-    else this.shown.set(plane, index);
+  show(plane: Plane, index: number | null, stack?: Stack): void {
+    const before = this.shown.get(plane);
+    const slice = index === null ? undefined : { plane, index, oblique: stack?.oblique?.id, stack };
+    if (before?.index === slice?.index && before?.oblique === slice?.oblique) return;
+    if (slice) this.shown.set(plane, slice);
+    else this.shown.delete(plane);
+    if (!slice?.oblique) this.newest.delete(plane);
     if (this.lacking().length > 0) this.plan();
   }
 
@@ -58,6 +70,15 @@ export class SliceStore {
     this.kept.delete(name);
     this.kept.set(name, values);
     return values;
+  }
+
+  /**
+   * Returns the newest oblique slice of a plane, which is shown until the next one arrives, so that a view that is turned
+   * does not flicker.
+   */
+  newestOblique(plane: Plane, pixels: number): Int16Array<ArrayBuffer> | null {
+    const values = this.newest.get(plane);
+    return values?.length === pixels ? values : null;
   }
 
   /** Notes a new connection, on which sequence numbers restart. Slices in transit are lost. */
@@ -73,6 +94,7 @@ export class SliceStore {
     this.connection += 1;
     this.beingRead.clear();
     this.kept.clear();
+    this.newest.clear();
     this.bytes = 0;
     if (this.lacking().length > 0) this.plan();
   }
@@ -93,11 +115,10 @@ export class SliceStore {
     }
   }
 
-  private lacking(): SliceId[] {
+  private lacking(): WantedSlice[] {
     return planes.flatMap((plane) => {
-      const index = this.shown.get(plane);
-      if (index === undefined) return [];
-      const slice = { plane, index };
+      const slice = this.shown.get(plane);
+      if (!slice) return [];
       return this.kept.has(key(slice)) || this.beingRead.has(key(slice)) ? [] : [slice];
     });
   }
@@ -114,7 +135,8 @@ export class SliceStore {
   private keep(slice: SliceId, values: Int16Array<ArrayBuffer>): void {
     this.bytes += values.byteLength - (this.kept.get(key(slice))?.byteLength ?? 0);
     this.kept.set(key(slice), values);
-    const shown = new Set([...this.shown].map(([plane, index]) => key({ plane, index })));
+    if (slice.oblique) this.newest.set(slice.plane, values);
+    const shown = new Set([...this.shown.values()].map(key));
     for (const [name, old] of this.kept) {
       if (this.bytes <= mostBytes) break;
       if (shown.has(name) || name === key(slice)) continue;

@@ -15,7 +15,7 @@ from google.protobuf import json_format
 from numpy.typing import NDArray
 
 from ._generated import stream_pb2 as pb
-from ._generated.scene_pb2 import Scene
+from ._generated.scene_pb2 import Scene, Vec3
 from ._http import Api
 from ._stream import FinalPicture, Stream
 from .errors import NotFoundError, WaitedTooLong
@@ -25,6 +25,11 @@ Plane = Literal["axial", "coronal", "sagittal"]
 #: A look by its name, a scene, or the scene of a preset as JSON. None is the scan's default.
 Look = str | Scene | Mapping[str, Any] | None
 
+#: How a slab combines its samples.
+Projection = Literal["mean", "maximum", "minimum"]
+Vector = tuple[float, float, float]
+
+_PROJECTIONS = {"mean": pb.PROJECTION_MEAN, "maximum": pb.PROJECTION_MAXIMUM, "minimum": pb.PROJECTION_MINIMUM}
 _PLANES = {"axial": pb.AXIAL, "coronal": pb.CORONAL, "sagittal": pb.SAGITTAL}
 
 
@@ -151,6 +156,31 @@ class Session:
         return Slice(values=pixels_of(got), plane=plane, index=index,
                      first=_triple(stack.first, stack.next, index), right=_triple(stack.right), down=_triple(stack.down))
 
+    def oblique(self, right: Vector, down: Vector, centre: Vector = (0, 0, 0), size: tuple[int, int] = (512, 512), pixel: float = 1,
+                thickness: float = 0, projection: Projection = "mean") -> Slice:
+        """Returns a plane in any direction, or a slab around it, with trilinear interpolation between voxels.
+
+        `right` and `down` are the perpendicular directions of its rows and columns, and `size` its columns and rows. World
+        space is in mm (docs/scenes.md). A slab of `thickness` mm combines samples that are at most the smallest distance of
+        voxels apart.
+        """
+        across, along = (np.asarray(one, float) * pixel / np.linalg.norm(one) for one in (right, down))
+        first = np.asarray(centre, float) - (size[0] - 1) / 2 * across - (size[1] - 1) / 2 * along
+        self._oblique += 1
+        wanted = pb.ObliqueSlice(id=self._oblique, columns=size[0], rows=size[1], first=_vector(first), right=_vector(across),
+                                 down=_vector(along), thickness=thickness, projection=_PROJECTIONS[projection])
+        self._stream.send(pb.ClientMessage(slices=pb.SliceRequest(
+            slices=[pb.SliceRequest.At(plane=pb.AXIAL, oblique=wanted)], taken=self._taken)))
+        while True:
+            got = self._stream.until("slice")
+            self._taken = got.seq
+            if got.oblique == self._oblique:
+                break
+        return Slice(values=pixels_of(got), plane="oblique", index=0,
+                     first=_triple(wanted.first), right=_triple(wanted.right), down=_triple(wanted.down))
+
+    #: ID of the newest oblique slice.
+    _oblique = 0
     #: Number of the newest slice, and the earliest time of the next query for a curve.
     _taken = 0
     _next_curve = 0.0
@@ -176,6 +206,10 @@ def pixels_of(one: pb.ExactSlice) -> NDArray[np.int16]:
     planes = np.frombuffer(zlib.decompress(one.data), np.uint8).reshape(2, one.rows, one.columns).astype(np.uint16)
     values: NDArray[np.int16] = (planes[0] | planes[1] << 8).view(np.int16)
     return values
+
+
+def _vector(vector: NDArray[np.float64]) -> Vec3:
+    return Vec3(x=vector[0], y=vector[1], z=vector[2])
 
 
 def _copy(scene: Scene) -> Scene:

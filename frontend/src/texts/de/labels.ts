@@ -18,7 +18,7 @@ export const labels: Texts["labels"] = {
   rest: "Alles zeigen, was nicht markiert ist",
   colour: "Farbe",
   opacity: "Deckkraft",
-  volume: (millilitres) => `${fixed(millilitres, millilitres < 10 ? 1 : 0)} ml`,
+  volume: (millilitres) => `${fixed(millilitres, millilitres < 10 ? 2 : millilitres < 100 ? 1 : 0)} ml`,
 
   title: (title) => `Strukturen von ${title}`,
   explain:

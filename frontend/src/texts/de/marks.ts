@@ -3,12 +3,17 @@ import { count } from "./counting";
 
 export const marks: Texts["marks"] = {
   lead: "Wählen Sie, was Sie hinzufügen möchten, und drücken Sie dann auf eine Stelle im Bild oder in einer Schicht. Ziehen Sie, um die Größe festzulegen. Eine Markierung bleibt an ihrer Stelle in der Aufnahme und ist gestrichelt, solange etwas davor liegt.",
-  kinds: { arrow: "Pfeil", circle: "Kreis", text: "Text" },
+  kinds: { arrow: "Pfeil", circle: "Kreis", text: "Text", ruler: "Lineal", angle: "Winkel" },
   press: {
     arrow: "Drücken Sie auf die Stelle, auf die der Pfeil zeigen soll, und ziehen Sie bis zu seinem Anfang.",
     circle: "Drücken Sie auf die Mitte des Kreises, und ziehen Sie bis zu seinem Rand.",
     text: "Drücken Sie auf die Stelle, um die es im Text geht.",
+    ruler:
+      "Drücken Sie auf zwei Punkte, oder ziehen Sie von einem zum anderen. Im Bild liegt ein Punkt auf der Oberfläche dort, auf etwa 1 % der Größe der Aufnahme genau.",
+    angle:
+      "Drücken Sie auf drei Punkte. Der zweite ist der Scheitelpunkt. Im Bild liegt ein Punkt auf der Oberfläche dort, auf etwa 1 % der Größe der Aufnahme genau.",
   },
+  nextPoint: (point, count) => `Drücken Sie nun auf Punkt ${point} von ${count}.`,
   nothingThere: "An dieser Stelle ist nichts von der Aufnahme. Wählen Sie eine andere.",
   full: "Sie können höchstens 50 Markierungen gleichzeitig zeigen. Löschen Sie erst welche, oder blenden Sie welche aus.",
   colour: "Farbe",
@@ -19,7 +24,8 @@ export const marks: Texts["marks"] = {
   shown: "Meine Markierungen zeigen",
   here: "Markierungen im Bild",
   none: "Es gibt noch keine Markierungen.",
-  nameOf: (kind, text) => text || { arrow: "Pfeil", circle: "Kreis", text: "Leerer Text" }[kind],
+  nameOf: (kind, text) =>
+    text || { arrow: "Pfeil", circle: "Kreis", text: "Leerer Text", ruler: "Lineal", angle: "Winkel" }[kind],
   by: (name) => `von ${name}`,
   keep: "Kopie behalten",
   keepOf: (mark) => `Kopie behalten: ${mark}`,
@@ -28,6 +34,8 @@ export const marks: Texts["marks"] = {
   choose: (mark) => `Auswählen: ${mark}`,
   moveOf: (mark) => `Verschieben: ${mark}`,
   tailOf: (mark) => `Anfang verschieben: ${mark}`,
+  secondOf: (mark) => `Zweiten Punkt verschieben: ${mark}`,
+  thirdOf: (mark) => `Dritten Punkt verschieben: ${mark}`,
   edgeOf: (mark) => `Größe ändern: ${mark}`,
   guestsOff: "Die Markierungen der Gäste sind gerade ausgeschaltet. Ihre sehen daher nur Sie.",
   saved: {

@@ -13,11 +13,19 @@ export const slices: Texts["slices"] = {
   views: "Anordnung",
   view: { picture: "3D", four: "Alle", axial: "Axial", sagittal: "Sagittal", coronal: "Koronal" },
   tools: "Werkzeug",
-  tool: { window: "Fenster", crosshair: "Fadenkreuz", ruler: "Lineal", angle: "Winkel", ellipse: "Ellipse" },
+  tool: {
+    window: "Fenster",
+    crosshair: "Fadenkreuz",
+    tilt: "Kippen",
+    ruler: "Lineal",
+    angle: "Winkel",
+    ellipse: "Ellipse",
+  },
   toolHelp: {
     window: "Ziehen Sie seitwärts, um den Kontrast zu ändern, und auf oder ab, um die Helligkeit zu ändern.",
     crosshair:
       "Ziehen, klicken oder tippen Sie, um alle drei Schichten durch diese Stelle zu legen. Mit der Maus geht das jederzeit auch, wenn Sie die Umschalttaste halten und den Zeiger bewegen.",
+    tilt: "Ziehen Sie um das Fadenkreuz herum, um die anderen beiden Ebenen zu drehen. Mit der Tastatur drehen Komma und Punkt sie.",
     ruler:
       "Ziehen Sie von einem Punkt zum anderen, oder klicken oder tippen Sie beide an. Ziehen Sie ein Ende, um es zu verschieben. Mit der Tastatur setzt die Eingabetaste einen Punkt am Fadenkreuz oder nimmt den Punkt dort auf.",
     angle:
@@ -30,12 +38,22 @@ export const slices: Texts["slices"] = {
   usualWindows: { soft: "Weichteile", lung: "Lunge", bone: "Knochen", brain: "Gehirn" },
   centre: "Zentrum",
   width: "Weite",
+  oblique: "Dicke und Kippung",
+  slab: "Dicke, mm",
+  slabHelp:
+    "Die Dicke der Schichten in mm. Jedes Pixel fasst dann die Werte über die Dicke zusammen. 0 zeigt dünne Schichten.",
+  projection: "Werte über die Dicke",
+  projections: { mean: "Mittelwert", maximum: "Maximum", minimum: "Minimum" },
+  straighten: "Kippung aufheben",
+  tilted: (degrees) => `${fixed(degrees, 1)}° gekippt`,
+  thick: (mm, projection) => `${projection} über ${number.format(mm)} mm`,
+  interpolated: (value) => `${value}, interpoliert`,
   removeMeasure: "Letzte Messung löschen",
   reset: "Schichten zurücksetzen",
   maximise: (view) => `Nur ${view} zeigen (M)`,
   restore: "Alle Ansichten zeigen (M)",
   canvas: (view) =>
-    `${view}e Schicht. Die Pfeiltasten auf und ab oder Bild auf und Bild ab blättern durch die Schichten. Umschalt mit einer Pfeiltaste bewegt das Fadenkreuz. Strg mit einer Pfeiltaste verschiebt das Bild. Plus und Minus zoomen. M zeigt nur diese Schicht. R setzt die Schichten zurück.`,
+    `${view}e Schicht. Die Pfeiltasten auf und ab oder Bild auf und Bild ab blättern durch die Schichten. Umschalt mit einer Pfeiltaste bewegt das Fadenkreuz. Strg mit einer Pfeiltaste verschiebt das Bild. Plus und Minus zoomen. Komma und Punkt kippen die anderen beiden Ebenen. M zeigt nur diese Schicht. R setzt die Schichten zurück.`,
   slider: (view) => `${view}e Schicht`,
   number: (index, count) => `${index} von ${count}`,
   title: (view, index, count) => `${view} ${index}/${count}`,
@@ -60,7 +78,7 @@ export const slices: Texts["slices"] = {
   display: "Darstellung",
   smooth: "Weich",
   smoothHelp:
-    "Zeigt weiche Übergänge zwischen den gespeicherten Werten. Schalten Sie das aus, um jeden gespeicherten Wert als scharfes Rechteck zu sehen. Angezeigte Werte und Messungen sind immer die gespeicherten.",
+    "Zeigt weiche Übergänge zwischen den gespeicherten Werten. Schalten Sie das aus, um jeden gespeicherten Wert als scharfes Rechteck zu sehen. Angezeigte Werte und Messungen sind die gespeicherten, in gekippten oder dicken Schichten Werte dazwischen.",
   overlay: "Farben",
   overlayHelp: "Zeigt die Farben des 3D-Bildes über den grauen Schichten.",
   overlayStrength: "Stärke der Farben",

@@ -19,7 +19,8 @@ export const labels = {
   rest: "Show everything that isn’t marked",
   colour: "Colour",
   opacity: "Opacity",
-  volume: (millilitres: number) => `${fixed(millilitres, millilitres < 10 ? 1 : 0)} ml`,
+  /** With three digits, or more for a large volume. */
+  volume: (millilitres: number) => `${fixed(millilitres, millilitres < 10 ? 2 : millilitres < 100 ? 1 : 0)} ml`,
 
   title: (title: string) => `Labels of ${title}`,
   explain:

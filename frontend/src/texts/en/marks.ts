@@ -1,14 +1,19 @@
 import { count } from "./counting";
 
-/** Marks: arrows, circles and texts in the scan. */
+/** Marks: arrows, circles, texts and measurements in the scan. */
 export const marks = {
   lead: "Choose what to add, then press a point of the picture or of a slice. Drag to set its size. A mark stays at its point of the scan and is drawn dashed while it lies behind something.",
-  kinds: { arrow: "Arrow", circle: "Circle", text: "Text" },
+  kinds: { arrow: "Arrow", circle: "Circle", text: "Text", ruler: "Ruler", angle: "Angle" },
   press: {
     arrow: "Press the point that the arrow should point to, and drag to where it begins.",
     circle: "Press the middle of the circle, and drag to its edge.",
     text: "Press the point that the text is about.",
+    ruler:
+      "Press two points, or drag from one to the other. In the picture, a point lies on the surface there, to within about 1% of the size of the scan.",
+    angle:
+      "Press three points. The second one is the vertex. In the picture, a point lies on the surface there, to within about 1% of the size of the scan.",
   },
+  nextPoint: (point: number, count: number) => `Now press point ${point} of ${count}.`,
   nothingThere: "There is nothing of the scan at this point. Choose another one.",
   full: "You can show at most 50 marks at a time. Delete or hide some first.",
   colour: "Colour",
@@ -18,8 +23,8 @@ export const marks = {
   shown: "Show my marks",
   here: "Marks in the picture",
   none: "There are no marks yet.",
-  nameOf: (kind: "arrow" | "circle" | "text", text: string) =>
-    text || { arrow: "Arrow", circle: "Circle", text: "Empty text" }[kind],
+  nameOf: (kind: "arrow" | "circle" | "text" | "ruler" | "angle", text: string) =>
+    text || { arrow: "Arrow", circle: "Circle", text: "Empty text", ruler: "Ruler", angle: "Angle" }[kind],
   by: (name: string) => `by ${name}`,
   keep: "Keep a copy",
   keepOf: (mark: string) => `Keep a copy of ${mark}`,
@@ -28,6 +33,8 @@ export const marks = {
   choose: (mark: string) => `Choose ${mark}`,
   moveOf: (mark: string) => `Move ${mark}`,
   tailOf: (mark: string) => `Move the beginning of ${mark}`,
+  secondOf: (mark: string) => `Move the second point of ${mark}`,
+  thirdOf: (mark: string) => `Move the third point of ${mark}`,
   edgeOf: (mark: string) => `Change the size of ${mark}`,
   guestsOff: "The presenter has turned off the marks of guests, so only you see yours.",
   saved: {

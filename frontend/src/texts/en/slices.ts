@@ -13,11 +13,12 @@ export const slices = {
   views: "Layout",
   view: { picture: "3D", four: "All", axial: "Axial", sagittal: "Sagittal", coronal: "Coronal" },
   tools: "Tool",
-  tool: { window: "Window", crosshair: "Crosshair", ruler: "Ruler", angle: "Angle", ellipse: "Ellipse" },
+  tool: { window: "Window", crosshair: "Crosshair", tilt: "Tilt", ruler: "Ruler", angle: "Angle", ellipse: "Ellipse" },
   toolHelp: {
     window: "Drag sideways to change the contrast, and up or down to change the brightness.",
     crosshair:
       "Drag, click or tap to move all three slices to that point. With a mouse, you can also hold Shift and move the pointer at any time.",
+    tilt: "Drag around the crosshair to turn the other two planes. With the keyboard, the comma and the full stop turn them.",
     ruler:
       "Drag from one point to another, or click or tap both. Drag an end to move it. With the keyboard, Enter sets a point at the crosshair, or picks up the point there.",
     angle:
@@ -30,12 +31,22 @@ export const slices = {
   usualWindows: { soft: "Soft tissue", lung: "Lung", bone: "Bone", brain: "Brain" },
   centre: "Centre",
   width: "Width",
+  oblique: "Thickness and tilt",
+  slab: "Slab, mm",
+  slabHelp:
+    "The thickness of the slices in mm. Each pixel then combines the values through the slab. 0 shows thin slices.",
+  projection: "Values of the slab",
+  projections: { mean: "Mean", maximum: "Maximum", minimum: "Minimum" },
+  straighten: "Undo the tilt",
+  tilted: (degrees: number) => `tilted ${degrees.toFixed(1)}°`,
+  thick: (mm: number, projection: string) => `${number.format(mm)} mm ${projection.toLowerCase()}`,
+  interpolated: (value: string) => `${value}, interpolated`,
   removeMeasure: "Delete the last measurement",
   reset: "Reset the slices",
   maximise: (view: string) => `Show only ${view} (M)`,
   restore: "Show all views (M)",
   canvas: (view: string) =>
-    `${view} slice. The up and down arrow keys or Page Up and Page Down scroll through the slices. Shift with an arrow key moves the crosshair. Ctrl with an arrow key pans the image. Plus and minus zoom. M shows only this slice. R resets the slices.`,
+    `${view} slice. The up and down arrow keys or Page Up and Page Down scroll through the slices. Shift with an arrow key moves the crosshair. Ctrl with an arrow key pans the image. Plus and minus zoom. Comma and full stop tilt the other two planes. M shows only this slice. R resets the slices.`,
   slider: (view: string) => `${view} slice`,
   number: (index: number, count: number) => `${index} of ${count}`,
   title: (view: string, index: number, count: number) => `${view} ${index}/${count}`,
@@ -61,7 +72,7 @@ export const slices = {
   display: "Display",
   smooth: "Smooth",
   smoothHelp:
-    "Shows smooth transitions between the stored values. Turn it off to see each stored value as a sharp rectangle. Readings and measurements are always of the stored values.",
+    "Shows smooth transitions between the stored values. Turn it off to see each stored value as a sharp rectangle. Readings and measurements are of the stored values, and in tilted slices and slabs of values between them.",
   overlay: "Colours",
   overlayHelp: "Shows the colours of the 3D picture over the grey slices.",
   overlayStrength: "Strength of the colours",

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Labels_Label as Label } from "../../protocol/gen/api/proto/stream_pb";
+import { Modality } from "../../protocol/messages";
 import type { Scene } from "../../protocol/gen/api/proto/scene_pb";
 import * as looks from "../../scene/labels";
 import { t } from "../../texts";
@@ -139,6 +140,7 @@ function Swatch({ scene, label }: Pick<RowProps, "scene" | "label">) {
 function Look({ session, scene, label }: Pick<RowProps, "session" | "scene" | "label">) {
   const { live, rest } = sceneEdits(session.editor);
   const { number } = label;
+  const hounsfield = session.volume.value?.modality === Modality.CT;
   return (
     <div class="label-look" role="group" aria-label={nameOf(label)}>
       <ColourControl
@@ -155,6 +157,13 @@ function Look({ session, scene, label }: Pick<RowProps, "session" | "scene" | "l
         change={live(`label ${number} opacity`, (now, percent: number) => looks.setOpacity(now, number, percent / 100))}
         rest={rest}
       />
+      {label.minimum <= label.maximum ? (
+        <p class="hint label-values">
+          {t.slices.ellipse(label.mean, label.deviation, hounsfield)}
+          <br />
+          {t.slices.ellipseRange(label.minimum, label.maximum, hounsfield)}
+        </p>
+      ) : null}
     </div>
   );
 }

@@ -1,6 +1,7 @@
 import type { FileMarks, MarkLabel } from "../../protocol/file_messages";
 import type { Viewport } from "../../protocol/messages";
 import type { ViewerSession } from "../../video/viewer_session";
+import { saidOf } from "../../marks/said";
 import { drawText, marginOf, textFont, type PaintedMark } from "../../marks/paint";
 import { marksInPicture, unitOf } from "./in_pictures";
 
@@ -22,7 +23,7 @@ export async function fileMarksOf(session: ViewerSession, size: Viewport): Promi
   const unit = Math.min(mostUnit, unitOf(session.viewport, size));
   const marks = marksInPicture(session).slice(-mostFileMarks); // own marks are the last
   const most = Math.min(mostLabelPixels, mostPixelsOfLabels / Math.max(1, marks.length));
-  const item = async ({ mark }: PaintedMark) => ({ mark, label: await labelOf(mark.text, unit, most) });
+  const item = async ({ mark }: PaintedMark) => ({ mark, label: await labelOf(saidOf(mark), unit, most) });
   return { unit, items: await Promise.all(marks.map(item)) };
 }
 

@@ -2,8 +2,9 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Point } from "../../input/flat";
 import { noFlick } from "../../input/no_flick";
 import type { Vec3 } from "../../input/vec3";
-import { movedTo, withEnd, type Mark } from "../../marks/mark";
+import { measuringPoints, movedTo, withEnd, type Mark } from "../../marks/mark";
 import { keyOf, type Marks } from "../../marks/marks";
+import { saidOf } from "../../marks/said";
 import type { MarkView } from "../../marks/view";
 import { t } from "../../texts";
 import { useHandleGestures, useHandlePlace } from "../picture/handle_button";
@@ -28,11 +29,13 @@ export function MarkHandles({ marks, number, view, locate }: MarkHandlesProps) {
         if (!marks.isOwn(mark)) return null;
         const at = view.lookOf(mark, keyOf(number, mark.id)) === "none" ? null : view.pointOf(mark.place);
         if (!at) return null;
-        const end = mark.id === marks.selected.value ? endOf(mark, view, at) : null;
+        const ends = mark.id === marks.selected.value ? endsOf(mark, view, at) : [];
         return (
           <div key={mark.id}>
             <MoveHandle marks={marks} mark={mark} at={at} view={view} locate={locate} />
-            {end ? <EndHandle marks={marks} mark={mark} at={end} view={view} /> : null}
+            {ends.map((end) => (
+              <EndHandle key={end.part} marks={marks} mark={mark} {...end} view={view} locate={locate} />
+            ))}
           </div>
         );
       })}
@@ -40,9 +43,21 @@ export function MarkHandles({ marks, number, view, locate }: MarkHandlesProps) {
   );
 }
 
-function endOf(mark: Mark, view: MarkView, at: Point): Point | null {
-  if (mark.kind === "arrow") return view.pointOf(mark.tail);
-  return mark.kind === "circle" ? { x: at.x + view.radiusOf(mark.place, mark.radius), y: at.y } : null;
+/** A handle beside that of the place: a tail, the edge of a circle, or the second side of an angle. */
+interface End {
+  readonly part: "end" | "side";
+  readonly at: Point;
+}
+
+function endsOf(mark: Mark, view: MarkView, at: Point): readonly End[] {
+  if (mark.kind === "circle")
+    return [{ part: "end", at: { x: at.x + view.radiusOf(mark.place, mark.radius), y: at.y } }];
+  const tail = mark.kind === "text" ? null : view.pointOf(mark.tail);
+  const side = mark.kind === "angle" ? view.pointOf(mark.end) : null;
+  return [
+    ...(tail ? [{ part: "end" as const, at: tail }] : []),
+    ...(side ? [{ part: "side" as const, at: side }] : []),
+  ];
 }
 
 interface MoveHandleProps extends Omit<MarkHandlesProps, "number"> {
@@ -67,7 +82,7 @@ function MoveHandle({ marks, mark, at, view, locate }: MoveHandleProps) {
   return (
     <MarkHandle
       name={`mark-${mark.id}`}
-      label={t.marks.moveOf(t.marks.nameOf(mark.kind, mark.text))}
+      label={t.marks.moveOf(t.marks.nameOf(mark.kind, saidOf(mark)))}
       chosen={marks.selected.value === mark.id}
       at={at}
       hold={() => (marks.selected.value = mark.id)}
@@ -83,27 +98,54 @@ function MoveHandle({ marks, mark, at, view, locate }: MoveHandleProps) {
   );
 }
 
-function EndHandle({ marks, mark, at, view }: Omit<MoveHandleProps, "locate">) {
-  const drag = (to: Point) =>
-    marks.change("end", mark.id, (now) => {
+function EndHandle({ marks, mark, at, view, locate, part }: MoveHandleProps & Pick<End, "part">) {
+  const newest = useRef(at);
+  const settling = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
+  useEffect(() => () => clearTimeout(settling.current), []);
+  const put = (now: Mark, place: Vec3): Mark => (part === "side" ? { ...now, end: place } : withEnd(now, place));
+  const drag = (to: Point) => {
+    newest.current = to;
+    marks.change(part, mark.id, (now) => {
       const from = now.kind === "circle" ? view.pointOf(now.place) : at;
       if (!from) return now;
-      const start = now.kind === "circle" ? now.place : now.tail;
-      return withEnd(now, view.beside(start, { x: to.x - from.x, y: to.y - from.y }));
+      const start = now.kind === "circle" ? now.place : part === "side" ? now.end : now.tail;
+      return put(now, view.beside(start, { x: to.x - from.x, y: to.y - from.y }));
     });
+  };
+  // The points of a measurement lie on the surface, and those of an arrow or a circle anywhere.
+  const settle = () => {
+    if (!(mark.kind in measuringPoints)) {
+      marks.rest();
+      return;
+    }
+    void locate(newest.current).then((place) => {
+      if (place) marks.change(part, mark.id, (now) => put(now, place));
+      marks.rest();
+    });
+  };
   return (
     <MarkHandle
-      name={`mark-${mark.id}-end`}
-      label={(mark.kind === "arrow" ? t.marks.tailOf : t.marks.edgeOf)(t.marks.nameOf(mark.kind, mark.text))}
+      name={`mark-${mark.id}-${part}`}
+      label={endLabel(mark, part)}
       chosen
       at={at}
       hold={() => undefined}
       drag={drag}
-      step={(right, up) => drag({ x: at.x + 2 * right, y: at.y - 2 * up })}
-      rest={() => marks.rest()}
+      step={(right, up) => {
+        drag({ x: at.x + 2 * right, y: at.y - 2 * up });
+        clearTimeout(settling.current);
+        settling.current = setTimeout(settle, settleMs);
+      }}
+      rest={settle}
       remove={() => marks.remove(mark.id)}
     />
   );
+}
+
+function endLabel(mark: Mark, part: End["part"]): string {
+  const name = t.marks.nameOf(mark.kind, saidOf(mark));
+  if (mark.kind in measuringPoints) return (part === "side" ? t.marks.thirdOf : t.marks.secondOf)(name);
+  return (mark.kind === "arrow" ? t.marks.tailOf : t.marks.edgeOf)(name);
 }
 
 interface MarkHandleProps {

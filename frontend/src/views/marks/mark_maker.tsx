@@ -2,11 +2,12 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { arrowDirections } from "../../input/arrow_keys";
 import type { Area, Point } from "../../input/flat";
 import type { Vec3 } from "../../input/vec3";
-import { newMark, withEnd, type Mark } from "../../marks/mark";
+import { measuringPoints, newMark, withEnd, type Mark } from "../../marks/mark";
 import type { Marks } from "../../marks/marks";
 import type { MarkView } from "../../marks/view";
 import { clamp } from "../../scene/numbers";
 import { t } from "../../texts";
+import { useMeasuring } from "./use_measuring";
 
 export interface MarkMakerProps {
   readonly marks: Marks;
@@ -23,6 +24,8 @@ const usual: Readonly<Record<Mark["kind"], Point>> = {
   arrow: { x: -55, y: -45 },
   circle: { x: 24, y: 0 },
   text: { x: 0, y: 0 },
+  ruler: { x: 0, y: 0 },
+  angle: { x: 0, y: 0 },
 };
 
 /** Creates the next mark where the view is pressed. A drag sets its length or size. */
@@ -31,8 +34,10 @@ export function MarkMaker(props: MarkMakerProps) {
   const button = useRef<HTMLButtonElement>(null);
   const cross = useRef<HTMLSpanElement>(null);
   const [at, setAt] = useState<Point>({ x: 0.5, y: 0.5 });
-  const { message, begin, drag, drop } = useMaking(props);
+  const making = useMaking(props);
+  const measuring = useMeasuring(props);
   const tool = marks.tool.value;
+  const { message, begin, drag, drop } = tool !== null && tool in measuringPoints ? measuring : making;
   useEffect(() => {
     if (focused) button.current?.focus();
   }, [focused, tool]);

@@ -67,13 +67,17 @@ const corners = (points: readonly Point[]): string => points.map(({ x, y }) => `
  * be seen on any picture.
  */
 function Lines({ shapes, layer }: { readonly shapes: Shapes; readonly layer: "mark-under" | "mark-over" }) {
-  const { line, head, circle, dot } = shapes;
+  const { lines, head, circle, dots } = shapes;
   return (
     <g class={layer}>
-      {line ? <line x1={line[0].x} y1={line[0].y} x2={line[1].x} y2={line[1].y} /> : null}
+      {lines.map(([from, to], i) => (
+        <line key={i} x1={from.x} y1={from.y} x2={to.x} y2={to.y} />
+      ))}
       {head.length > 0 ? <polygon points={corners(head)} /> : null}
       {circle ? <circle cx={circle.at.x} cy={circle.at.y} r={circle.radius} /> : null}
-      {dot ? <circle class="mark-dot" cx={dot.x} cy={dot.y} r={3.5} /> : null}
+      {dots.map(({ x, y }, i) => (
+        <circle key={i} class="mark-dot" cx={x} cy={y} r={3.5} />
+      ))}
     </g>
   );
 }

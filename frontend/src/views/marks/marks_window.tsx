@@ -1,5 +1,6 @@
 import { markKinds, withSet, type Mark, type MarkKind } from "../../marks/mark";
 import type { Marks } from "../../marks/marks";
+import { saidOf } from "../../marks/said";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Field } from "../field";
@@ -39,7 +40,13 @@ export function MarksWindow({ session }: WindowProps) {
   );
 }
 
-const icons: Readonly<Record<MarkKind, IconName>> = { arrow: "arrow", circle: "ring", text: "letter" };
+const icons: Readonly<Record<MarkKind, IconName>> = {
+  arrow: "arrow",
+  circle: "ring",
+  text: "letter",
+  ruler: "ruler",
+  angle: "angle",
+};
 
 function Tools({ marks }: { readonly marks: Marks }) {
   const tool = marks.tool.value;
@@ -121,7 +128,7 @@ function MarkList({ session }: { readonly session: ViewerSession }) {
         <OwnRow key={mark.id} session={session} mark={mark} />
       ))}
       {others.map(({ number, mark }) => {
-        const name = t.marks.nameOf(mark.kind, mark.text);
+        const name = t.marks.nameOf(mark.kind, saidOf(mark));
         return (
           <li key={`${number}.${mark.id}`} data-colour={mark.colour}>
             <Icon name={icons[mark.kind]} />
@@ -143,7 +150,7 @@ function MarkList({ session }: { readonly session: ViewerSession }) {
 
 function OwnRow({ session, mark }: { readonly session: ViewerSession; readonly mark: Mark }) {
   const { marks, slices } = session;
-  const name = t.marks.nameOf(mark.kind, mark.text);
+  const name = t.marks.nameOf(mark.kind, saidOf(mark));
   const choose = () => {
     marks.selected.value = mark.id;
     const axial = slices.stacks.value.get("axial");

@@ -17,6 +17,9 @@ JPEG: Codec
 MOVING: FrameQuality
 MPEG1: Codec
 PNG: StillFormat
+PROJECTION_MAXIMUM: Projection
+PROJECTION_MEAN: Projection
+PROJECTION_MINIMUM: Projection
 SAGITTAL: AnatomicalPlane
 SETTLED: FrameQuality
 SLICE_ACCESS_CLIPPED: SliceAccess
@@ -210,20 +213,22 @@ class ErrorCurveQuery(_message.Message):
     def __init__(self) -> None: ...
 
 class ExactSlice(_message.Message):
-    __slots__ = ["columns", "data", "index", "plane", "rows", "seq"]
+    __slots__ = ["columns", "data", "index", "oblique", "plane", "rows", "seq"]
     COLUMNS_FIELD_NUMBER: _ClassVar[int]
     DATA_FIELD_NUMBER: _ClassVar[int]
     INDEX_FIELD_NUMBER: _ClassVar[int]
+    OBLIQUE_FIELD_NUMBER: _ClassVar[int]
     PLANE_FIELD_NUMBER: _ClassVar[int]
     ROWS_FIELD_NUMBER: _ClassVar[int]
     SEQ_FIELD_NUMBER: _ClassVar[int]
     columns: int
     data: bytes
     index: int
+    oblique: int
     plane: AnatomicalPlane
     rows: int
     seq: int
-    def __init__(self, seq: _Optional[int] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., data: _Optional[bytes] = ...) -> None: ...
+    def __init__(self, seq: _Optional[int] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., data: _Optional[bytes] = ..., oblique: _Optional[int] = ...) -> None: ...
 
 class FileMark(_message.Message):
     __slots__ = ["label", "mark"]
@@ -426,16 +431,24 @@ class KeyView(_message.Message):
 class Labels(_message.Message):
     __slots__ = ["labels"]
     class Label(_message.Message):
-        __slots__ = ["colour", "name", "number", "volume"]
+        __slots__ = ["colour", "deviation", "maximum", "mean", "minimum", "name", "number", "volume"]
         COLOUR_FIELD_NUMBER: _ClassVar[int]
+        DEVIATION_FIELD_NUMBER: _ClassVar[int]
+        MAXIMUM_FIELD_NUMBER: _ClassVar[int]
+        MEAN_FIELD_NUMBER: _ClassVar[int]
+        MINIMUM_FIELD_NUMBER: _ClassVar[int]
         NAME_FIELD_NUMBER: _ClassVar[int]
         NUMBER_FIELD_NUMBER: _ClassVar[int]
         VOLUME_FIELD_NUMBER: _ClassVar[int]
         colour: int
+        deviation: float
+        maximum: int
+        mean: float
+        minimum: int
         name: str
         number: int
         volume: float
-        def __init__(self, number: _Optional[int] = ..., name: _Optional[str] = ..., colour: _Optional[int] = ..., volume: _Optional[float] = ...) -> None: ...
+        def __init__(self, number: _Optional[int] = ..., name: _Optional[str] = ..., colour: _Optional[int] = ..., volume: _Optional[float] = ..., mean: _Optional[float] = ..., deviation: _Optional[float] = ..., minimum: _Optional[int] = ..., maximum: _Optional[int] = ...) -> None: ...
     LABELS_FIELD_NUMBER: _ClassVar[int]
     labels: _containers.RepeatedCompositeFieldContainer[Labels.Label]
     def __init__(self, labels: _Optional[_Iterable[_Union[Labels.Label, _Mapping]]] = ...) -> None: ...
@@ -459,28 +472,32 @@ class Look(_message.Message):
     def __init__(self, scene: _Optional[_Union[_scene_pb2.Scene, _Mapping]] = ..., input_seq: _Optional[int] = ...) -> None: ...
 
 class Mark(_message.Message):
-    __slots__ = ["colour", "id", "kind", "place", "radius", "tail", "text"]
+    __slots__ = ["colour", "end", "id", "kind", "place", "radius", "tail", "text"]
     class Kind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = []
+    ANGLE: Mark.Kind
     ARROW: Mark.Kind
     CIRCLE: Mark.Kind
     COLOUR_FIELD_NUMBER: _ClassVar[int]
+    END_FIELD_NUMBER: _ClassVar[int]
     ID_FIELD_NUMBER: _ClassVar[int]
     KIND_FIELD_NUMBER: _ClassVar[int]
     KIND_UNSPECIFIED: Mark.Kind
     PLACE_FIELD_NUMBER: _ClassVar[int]
     RADIUS_FIELD_NUMBER: _ClassVar[int]
+    RULER: Mark.Kind
     TAIL_FIELD_NUMBER: _ClassVar[int]
     TEXT: Mark.Kind
     TEXT_FIELD_NUMBER: _ClassVar[int]
     colour: int
+    end: _scene_pb2.Vec3
     id: int
     kind: Mark.Kind
     place: _scene_pb2.Vec3
     radius: float
     tail: _scene_pb2.Vec3
     text: str
-    def __init__(self, id: _Optional[int] = ..., kind: _Optional[_Union[Mark.Kind, str]] = ..., colour: _Optional[int] = ..., text: _Optional[str] = ..., place: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., tail: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., radius: _Optional[float] = ...) -> None: ...
+    def __init__(self, id: _Optional[int] = ..., kind: _Optional[_Union[Mark.Kind, str]] = ..., colour: _Optional[int] = ..., text: _Optional[str] = ..., place: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., tail: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., radius: _Optional[float] = ..., end: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ...) -> None: ...
 
 class MarkSight(_message.Message):
     __slots__ = ["hidden"]
@@ -531,6 +548,26 @@ class Measurements(_message.Message):
 class NeedKey(_message.Message):
     __slots__ = []
     def __init__(self) -> None: ...
+
+class ObliqueSlice(_message.Message):
+    __slots__ = ["columns", "down", "first", "id", "projection", "right", "rows", "thickness"]
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    DOWN_FIELD_NUMBER: _ClassVar[int]
+    FIRST_FIELD_NUMBER: _ClassVar[int]
+    ID_FIELD_NUMBER: _ClassVar[int]
+    PROJECTION_FIELD_NUMBER: _ClassVar[int]
+    RIGHT_FIELD_NUMBER: _ClassVar[int]
+    ROWS_FIELD_NUMBER: _ClassVar[int]
+    THICKNESS_FIELD_NUMBER: _ClassVar[int]
+    columns: int
+    down: _scene_pb2.Vec3
+    first: _scene_pb2.Vec3
+    id: int
+    projection: Projection
+    right: _scene_pb2.Vec3
+    rows: int
+    thickness: float
+    def __init__(self, id: _Optional[int] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., first: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., right: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., down: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., thickness: _Optional[float] = ..., projection: _Optional[_Union[Projection, str]] = ...) -> None: ...
 
 class Participant(_message.Message):
     __slots__ = ["free_camera", "hand", "id", "name", "number", "owner", "presenter"]
@@ -697,12 +734,14 @@ class SharedTaken(_message.Message):
 class SliceRequest(_message.Message):
     __slots__ = ["slices", "taken"]
     class At(_message.Message):
-        __slots__ = ["index", "plane"]
+        __slots__ = ["index", "oblique", "plane"]
         INDEX_FIELD_NUMBER: _ClassVar[int]
+        OBLIQUE_FIELD_NUMBER: _ClassVar[int]
         PLANE_FIELD_NUMBER: _ClassVar[int]
         index: int
+        oblique: ObliqueSlice
         plane: AnatomicalPlane
-        def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ...) -> None: ...
+        def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., oblique: _Optional[_Union[ObliqueSlice, _Mapping]] = ...) -> None: ...
     SLICES_FIELD_NUMBER: _ClassVar[int]
     TAKEN_FIELD_NUMBER: _ClassVar[int]
     slices: _containers.RepeatedCompositeFieldContainer[SliceRequest.At]
@@ -730,7 +769,7 @@ class SliceStack(_message.Message):
     def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., slices: _Optional[int] = ..., first: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., right: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., down: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., next: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ...) -> None: ...
 
 class SliceView(_message.Message):
-    __slots__ = ["crosshair", "layout", "overlay", "placings", "plane", "smooth", "window_centre", "window_width"]
+    __slots__ = ["crosshair", "layout", "overlay", "placings", "plane", "projection", "slab", "smooth", "tilts", "window_centre", "window_width"]
     class Layout(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = []
     class Placing(_message.Message):
@@ -744,6 +783,15 @@ class SliceView(_message.Message):
         row: float
         zoom: float
         def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., zoom: _Optional[float] = ..., column: _Optional[float] = ..., row: _Optional[float] = ...) -> None: ...
+    class Tilt(_message.Message):
+        __slots__ = ["down", "plane", "right"]
+        DOWN_FIELD_NUMBER: _ClassVar[int]
+        PLANE_FIELD_NUMBER: _ClassVar[int]
+        RIGHT_FIELD_NUMBER: _ClassVar[int]
+        down: _scene_pb2.Vec3
+        plane: AnatomicalPlane
+        right: _scene_pb2.Vec3
+        def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., right: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., down: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ...) -> None: ...
     CROSSHAIR_FIELD_NUMBER: _ClassVar[int]
     FOUR: SliceView.Layout
     LAYOUT_FIELD_NUMBER: _ClassVar[int]
@@ -752,8 +800,11 @@ class SliceView(_message.Message):
     PICTURE: SliceView.Layout
     PLACINGS_FIELD_NUMBER: _ClassVar[int]
     PLANE_FIELD_NUMBER: _ClassVar[int]
+    PROJECTION_FIELD_NUMBER: _ClassVar[int]
+    SLAB_FIELD_NUMBER: _ClassVar[int]
     SLICE: SliceView.Layout
     SMOOTH_FIELD_NUMBER: _ClassVar[int]
+    TILTS_FIELD_NUMBER: _ClassVar[int]
     WINDOW_CENTRE_FIELD_NUMBER: _ClassVar[int]
     WINDOW_WIDTH_FIELD_NUMBER: _ClassVar[int]
     crosshair: _scene_pb2.Vec3
@@ -761,10 +812,13 @@ class SliceView(_message.Message):
     overlay: float
     placings: _containers.RepeatedCompositeFieldContainer[SliceView.Placing]
     plane: AnatomicalPlane
+    projection: Projection
+    slab: float
     smooth: bool
+    tilts: _containers.RepeatedCompositeFieldContainer[SliceView.Tilt]
     window_centre: float
     window_width: float
-    def __init__(self, layout: _Optional[_Union[SliceView.Layout, str]] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., crosshair: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., window_centre: _Optional[float] = ..., window_width: _Optional[float] = ..., smooth: bool = ..., overlay: _Optional[float] = ..., placings: _Optional[_Iterable[_Union[SliceView.Placing, _Mapping]]] = ...) -> None: ...
+    def __init__(self, layout: _Optional[_Union[SliceView.Layout, str]] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., crosshair: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., window_centre: _Optional[float] = ..., window_width: _Optional[float] = ..., smooth: bool = ..., overlay: _Optional[float] = ..., placings: _Optional[_Iterable[_Union[SliceView.Placing, _Mapping]]] = ..., tilts: _Optional[_Iterable[_Union[SliceView.Tilt, _Mapping]]] = ..., slab: _Optional[float] = ..., projection: _Optional[_Union[Projection, str]] = ...) -> None: ...
 
 class SlicesStale(_message.Message):
     __slots__ = []
@@ -877,6 +931,9 @@ class StillFormat(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = []
 
 class AnatomicalPlane(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class Projection(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = []
 
 class SliceAccess(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):

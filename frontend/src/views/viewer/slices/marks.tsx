@@ -1,6 +1,7 @@
 import type { Area, Point } from "../../../input/flat";
-import { handlesOf, isWhole, type Held, type Measure } from "../../../slices/measure";
+import { handlesOf, isInSlice, isWhole, type Held, type Measure } from "../../../slices/measure";
 import { labelPlaces, lineHeight, type LabelPlace } from "../../../slices/label_places";
+import { traceOf } from "../../../slices/oblique";
 import { pointOf, type Placing } from "../../../slices/placing";
 import { spotOf, type Stack } from "../../../slices/stack";
 import type { Vec3 } from "../../../input/vec3";
@@ -15,6 +16,10 @@ export interface MarksProps {
   readonly measures: readonly Measure[];
   readonly index: number;
   readonly held: Held | null;
+  /** The stacks of the other planes, whose lines cross this slice. */
+  readonly others: readonly Stack[];
+  /** Whether the tool turns the planes, so that their lines have handles. */
+  readonly turning: boolean;
 }
 
 /**
@@ -24,10 +29,10 @@ export interface MarksProps {
 const gap = 9;
 
 /** The crosshair and the measurements in this slice. */
-export function Marks({ slice, placing, area, crosshair, measures, index, held }: MarksProps) {
+export function Marks({ slice, placing, area, crosshair, measures, index, held, others, turning }: MarksProps) {
   const { stack } = slice;
   const onView = (place: Vec3): Point => pointOf(stack, placing, area, spotOf(stack, place));
-  const { x, y } = onView(crosshair);
+  const middle = onView(crosshair);
   const shown = measures.flatMap((measure, i) =>
     isInSlice(measure, stack, index)
       ? [{ measure, i, points: handlesOf(stack, measure).map(onView), lines: measureLines(measure, slice) }]
@@ -37,10 +42,9 @@ export function Marks({ slice, placing, area, crosshair, measures, index, held }
   const places = labelPlaces(labels, area);
   return (
     <svg class="slice-marks" aria-hidden="true" width={area.width} height={area.height}>
-      <path
-        class="slice-cross"
-        d={`M0 ${y}H${Math.max(0, x - gap)}M${x + gap} ${y}H${area.width}M${x} 0V${Math.max(0, y - gap)}M${x} ${y + gap}V${area.height}`}
-      />
+      {others.map((other) => (
+        <CrossLine key={other.plane} middle={middle} along={traceOf(stack, other)} area={area} turning={turning} />
+      ))}
       {shown.map(({ measure, i, points, lines }, nth) => (
         <g key={i} class={isWhole(measure) ? "slice-measure" : "slice-measure slice-measure-open"}>
           <Outline measure={measure} points={points} />
@@ -60,8 +64,30 @@ export function Marks({ slice, placing, area, crosshair, measures, index, held }
   );
 }
 
-export const isInSlice = (measure: Measure, stack: Stack, index: number): boolean =>
-  measure.plane === stack.plane && measure.slice === index;
+interface CrossLineProps {
+  readonly middle: Point;
+  /** The direction of the line, of length 1. */
+  readonly along: Point;
+  readonly area: Area;
+  readonly turning: boolean;
+}
+
+/** The line in which another plane cuts this slice. */
+function CrossLine({ middle: { x, y }, along, area, turning }: CrossLineProps) {
+  const far = area.width + area.height;
+  const at = (distance: number) => `${x + distance * along.x} ${y + distance * along.y}`;
+  const handle = 0.36 * Math.min(area.width, area.height);
+  return (
+    <g class="slice-cross">
+      <path d={`M${at(-far)}L${at(-gap)}M${at(gap)}L${at(far)}`} />
+      {turning
+        ? [-handle, handle].map((distance) => (
+            <circle key={distance} cx={x + distance * along.x} cy={y + distance * along.y} r={6} />
+          ))
+        : null}
+    </g>
+  );
+}
 
 /**
  * Returns what the label of a measurement stands beside: an ellipse, the vertex of an angle, or the

@@ -1,14 +1,14 @@
 import type { RefObject } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
-import { typedNumber, type Limits } from "../../../scene/numbers";
 import type { OverlaySetting } from "../../../slices/memory";
 import { tools, type Shown, type Slices } from "../../../slices/model";
 import { usualWindows, windowLimits, type UsualWindow } from "../../../slices/window";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
 import { t } from "../../../texts";
-import { numberText } from "../../format";
 import { IconButton } from "../../icon_button";
 import { Icon } from "../../icons";
+import { ObliqueControls } from "./oblique_controls";
+import { Typed } from "./typed";
 
 const views: readonly Shown[] = ["four", "axial", "sagittal", "coronal", "picture"];
 
@@ -42,6 +42,7 @@ export function SliceBar({ slices, volume }: SliceBarProps) {
         choose={(name) => (slices.tool.value = name)}
       />
       <WindowControls slices={slices} volume={volume} />
+      <ObliqueControls slices={slices} />
       <div class="slice-ends">
         <DisplayControls slices={slices} />
         <button
@@ -203,37 +204,5 @@ function Choice<Name extends string>({ label, names, texts, titles, chosen, choo
         </label>
       ))}
     </fieldset>
-  );
-}
-
-interface TypedProps {
-  readonly label: string;
-  readonly value: number;
-  readonly limits: Limits;
-  readonly take: (value: number) => void;
-}
-
-/** A field for a number. An invalid number is replaced by the previous one. */
-function Typed({ label, value, limits, take }: TypedProps) {
-  return (
-    <label class="slice-typed">
-      <span>{label}</span>
-      <input
-        type="text"
-        inputMode="decimal"
-        autocomplete="off"
-        maxLength={12}
-        value={numberText(value)}
-        onFocus={(event) => event.currentTarget.select()}
-        onKeyDown={(event) => {
-          if (event.key === "Enter") event.currentTarget.blur();
-        }}
-        onBlur={(event) => {
-          const typed = typedNumber(event.currentTarget.value, limits);
-          event.currentTarget.value = numberText(typed ?? value);
-          if (typed !== null && typed !== value) take(typed);
-        }}
-      />
-    </label>
   );
 }

@@ -3,13 +3,15 @@ import type { Area } from "../../../input/flat";
 import type { Vec3 } from "../../../input/vec3";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
 import type { Slices } from "../../../slices/model";
-import { blank, edgesOf, isInside, placeParts, type Plane, type Stack } from "../../../slices/stack";
+import { tiltDegrees, unitAxes } from "../../../slices/oblique";
+import { blank, edgesOf, isInside, pixelOf, placeOf, placeParts, type Plane, type Stack } from "../../../slices/stack";
 import { t } from "../../../texts";
 import { SliceMarks } from "../../marks/slice_marks";
 import { IconButton } from "../../icon_button";
 import { perMm } from "../../../slices/placing";
 import { scaleBar } from "../../../slices/scale_bar";
-import { isInSlice, Marks } from "./marks";
+import { isInSlice } from "../../../slices/measure";
+import { Marks } from "./marks";
 import { SlicePointers } from "./slice_pointers";
 import { measureLines, type MeasuredSlice } from "./measure_text";
 import { useSlicePane, type SlicePaneProps } from "./use_slice_pane";
@@ -31,6 +33,7 @@ export function SlicePane(props: SlicePaneProps) {
         aria-label={t.slices.canvas(name)}
         data-index={index}
         data-came={slices.values(stack) !== null}
+        data-oblique={stack.oblique ? "" : undefined}
         onKeyDown={(event) => {
           if (!controller.key(event)) return;
           event.preventDefault();
@@ -46,6 +49,8 @@ export function SlicePane(props: SlicePaneProps) {
         measures={slices.measures.value}
         index={index}
         held={slices.held.value}
+        others={[...slices.stacks.value.values()].filter(({ plane }) => plane !== stack.plane)}
+        turning={slices.tool.value === "tilt" && !slices.following.value}
       />
       <SliceMarks
         marks={props.marks}
@@ -145,9 +150,11 @@ interface SliceLabelsProps extends SlicePaneProps {
  */
 function SliceLabels({ slices, stack, volume, slice, byKey }: SliceLabelsProps) {
   const edges = edgesOf(stack);
-  const title = t.slices.title(t.slices.view[stack.plane], slices.index(stack) + 1, stack.slices);
+  const title = titleOf(slices, stack);
   const pointed = slices.pointed.value;
-  const place = pointed?.plane === stack.plane ? pointed.place : slices.crosshair.value;
+  const exact = pointed?.plane === stack.plane ? pointed.place : slices.crosshair.value;
+  // A value between the stored ones is that of the middle of a pixel.
+  const place = stack.oblique ? placeOf(stack, pixelOf(stack, exact)) : exact;
   const value = valueText(slices, stack, volume, place);
   const where = t.slices.place(placeParts(place));
   const said = () => [t.slices.said(title, value, where), ...measuresSaid(slices, slice)].join(", ");
@@ -169,6 +176,19 @@ function SliceLabels({ slices, stack, volume, slice, byKey }: SliceLabelsProps) 
   );
 }
 
+/** Returns the plane, its tilt and its slab, and the number of the slice. */
+function titleOf(slices: Slices, stack: Stack): string {
+  const title = t.slices.title(t.slices.view[stack.plane], slices.index(stack) + 1, stack.slices);
+  const straight = slices.straight.value.get(stack.plane);
+  const { mm, projection } = slices.slab.value;
+  const degrees = straight ? tiltDegrees(unitAxes(stack), unitAxes(straight)) : 0;
+  return [
+    title,
+    ...(degrees >= 0.05 ? [t.slices.tilted(degrees)] : []),
+    ...(mm > 0 ? [t.slices.thick(mm, t.slices.projections[projection])] : []),
+  ].join(", ");
+}
+
 /** Returns the text of the newest measurement in the slice, for users who do not see it. */
 function measuresSaid(slices: Slices, slice: MeasuredSlice): readonly string[] {
   const index = slices.index(slice.stack);
@@ -181,7 +201,8 @@ function valueText(slices: Slices, stack: Stack, volume: VolumeHeader, place: Ve
   const value = slices.valueAt(stack, place);
   if (value === null) return "…";
   if (value === blank && slices.access.value !== "whole") return t.slices.cutAway;
-  return volume.modality === Modality.CT ? t.slices.hu(value) : t.slices.value(value);
+  const text = volume.modality === Modality.CT ? t.slices.hu(value) : t.slices.value(value);
+  return stack.oblique ? t.slices.interpolated(text) : text;
 }
 
 /** The order of the panes. */

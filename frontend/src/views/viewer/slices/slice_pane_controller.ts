@@ -1,9 +1,9 @@
 import type { Area, Point } from "../../../input/flat";
-import { pixelSize, placeOf, type Stack } from "../../../slices/stack";
-import { isWhole, measureKinds, withLastPoint, withPoint, type MeasureKind } from "../../../slices/measure";
+import { pixelSize, placeOf, spotOf, type Stack } from "../../../slices/stack";
+import { isWhole, measureKinds, type MeasureKind } from "../../../slices/measure";
 import type { Slices } from "../../../slices/model";
 import { SliceGestures, Wheel, type GestureAction } from "../../../slices/slice_gestures";
-import { panned, perMm, pixelAt, zoomed } from "../../../slices/placing";
+import { panned, perMm, pixelAt, pointOf, zoomed } from "../../../slices/placing";
 import { dragged, type Window } from "../../../slices/window";
 import { wheelZoom } from "../../../input/gestures";
 import { pointerSampleOf, type PointerSample } from "../../../input/pointer_sample";
@@ -14,6 +14,10 @@ import type { Collaboration } from "../../../live/collaboration";
 import type { Vec3 } from "../../../input/vec3";
 
 const zoomStep = 1.12;
+/** The angle by which a key turns the planes. */
+const keyDegrees = 1;
+/** A drag this close to the crosshair has no reliable direction. */
+const leastTurnPx = 8;
 /**
  * The distance in CSS pixels from which a pointer grabs a handle. A finger is less precise than a
  * mouse.
@@ -103,6 +107,10 @@ export class SlicePaneController {
       case "_":
         this.zoom(1 / zoomStep, middle);
         return true;
+      case ",":
+      case ".":
+        slices.turn(stack.plane, event.key === "," ? -keyDegrees : keyDegrees);
+        return true;
       case "Enter":
         this.setOrHold();
         return true;
@@ -153,7 +161,7 @@ export class SlicePaneController {
         if (this.measureKind()) this.beginMeasure(this.placeAt(action.at));
         break;
       case "drag":
-        this.drag(action.from, action.at);
+        this.drag(action.from, action.at, action.by);
         break;
       case "tap":
         if (slices.tool.value === "crosshair") this.cross(action.at);
@@ -174,7 +182,7 @@ export class SlicePaneController {
     }
   }
 
-  private drag(from: Point, at: Point): void {
+  private drag(from: Point, at: Point, by: Point): void {
     const slices = this.slices;
     switch (slices.tool.value) {
       case "window": {
@@ -186,9 +194,12 @@ export class SlicePaneController {
       case "crosshair":
         this.cross(at);
         break;
+      case "tilt":
+        this.turn({ x: at.x - by.x, y: at.y - by.y }, at);
+        break;
       default:
         if (slices.held.value) slices.moveHeld(this.stack(), this.placeAt(at));
-        else slices.measures.value = withLastPoint(slices.measures.value, this.placeAt(at));
+        else slices.moveLastPoint(this.stack(), this.placeAt(at));
     }
   }
 
@@ -227,11 +238,20 @@ export class SlicePaneController {
   }
 
   private setPoint(place: Vec3): void {
-    const { measures } = this.slices;
-    const stack = this.stack();
     const kind = this.measureKind();
-    if (!kind) return;
-    measures.value = withPoint(measures.value, kind, stack.plane, this.slices.index(stack), place);
+    if (kind) this.slices.setPoint(this.stack(), kind, place);
+  }
+
+  /** Turns the other planes with the pointer about the crosshair. */
+  private turn(from: Point, to: Point): void {
+    const stack = this.stack();
+    const middle = pointOf(stack, this.slices.placing(stack), this.area(), spotOf(stack, this.slices.crosshair.value));
+    const [before, after] = [from, to].map(({ x, y }) => ({ x: x - middle.x, y: y - middle.y }));
+    if (!before || !after || Math.min(Math.hypot(before.x, before.y), Math.hypot(after.x, after.y)) < leastTurnPx)
+      return;
+    const across = before.x * after.y - before.y * after.x;
+    const along = before.x * after.x + before.y * after.y;
+    this.slices.turn(stack.plane, (180 / Math.PI) * Math.atan2(across, along));
   }
 
   private cross(at: Point): void {

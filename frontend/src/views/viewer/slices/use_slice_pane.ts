@@ -45,7 +45,7 @@ export function useSlicePane({ slices, stack, volume, collaboration }: SlicePane
   useCanvasEvents(canvas, controller, drawing, setArea);
 
   const placing = slices.placing(stack);
-  const values = slices.values(stack);
+  const values = slices.drawnValues(stack);
   const table = slices.table.value;
   const smooth = slices.smooth.value;
   useLayoutEffect(() => {
