@@ -216,7 +216,7 @@ class Rgb(_message.Message):
     def __init__(self, r: _Optional[float] = ..., g: _Optional[float] = ..., b: _Optional[float] = ...) -> None: ...
 
 class Scene(_message.Message):
-    __slots__ = ["bounces", "camera", "clip", "display", "highlight", "labels", "lights", "phase", "shading", "show_table", "slices", "transfer_function"]
+    __slots__ = ["bounces", "camera", "clip", "display", "highlight", "labels", "lights", "phase", "shading", "show_table", "slices", "transfer_function", "volume_phase"]
     BOUNCES_FIELD_NUMBER: _ClassVar[int]
     CAMERA_FIELD_NUMBER: _ClassVar[int]
     CLIP_FIELD_NUMBER: _ClassVar[int]
@@ -229,6 +229,7 @@ class Scene(_message.Message):
     SHOW_TABLE_FIELD_NUMBER: _ClassVar[int]
     SLICES_FIELD_NUMBER: _ClassVar[int]
     TRANSFER_FUNCTION_FIELD_NUMBER: _ClassVar[int]
+    VOLUME_PHASE_FIELD_NUMBER: _ClassVar[int]
     bounces: int
     camera: Camera
     clip: Clip
@@ -241,7 +242,8 @@ class Scene(_message.Message):
     show_table: bool
     slices: Slices
     transfer_function: TransferFunction
-    def __init__(self, transfer_function: _Optional[_Union[TransferFunction, _Mapping]] = ..., lights: _Optional[_Iterable[_Union[Light, _Mapping]]] = ..., camera: _Optional[_Union[Camera, _Mapping]] = ..., phase: _Optional[_Union[Phase, _Mapping]] = ..., display: _Optional[_Union[Display, _Mapping]] = ..., shading: _Optional[_Union[Shading, _Mapping]] = ..., clip: _Optional[_Union[Clip, _Mapping]] = ..., slices: _Optional[_Union[Slices, _Mapping]] = ..., bounces: _Optional[int] = ..., show_table: bool = ..., labels: _Optional[_Iterable[_Union[LabelLook, _Mapping]]] = ..., highlight: _Optional[_Union[Highlight, _Mapping]] = ...) -> None: ...
+    volume_phase: int
+    def __init__(self, transfer_function: _Optional[_Union[TransferFunction, _Mapping]] = ..., lights: _Optional[_Iterable[_Union[Light, _Mapping]]] = ..., camera: _Optional[_Union[Camera, _Mapping]] = ..., phase: _Optional[_Union[Phase, _Mapping]] = ..., display: _Optional[_Union[Display, _Mapping]] = ..., shading: _Optional[_Union[Shading, _Mapping]] = ..., clip: _Optional[_Union[Clip, _Mapping]] = ..., slices: _Optional[_Union[Slices, _Mapping]] = ..., bounces: _Optional[int] = ..., show_table: bool = ..., labels: _Optional[_Iterable[_Union[LabelLook, _Mapping]]] = ..., highlight: _Optional[_Union[Highlight, _Mapping]] = ..., volume_phase: _Optional[int] = ...) -> None: ...
 
 class Shading(_message.Message):
     __slots__ = ["gradient_scale", "mode"]
