@@ -1,6 +1,6 @@
 // diaphane-renderd-bench measures error against run time (convergence), the growth of cost with
-// volume and picture (growth), stiff cases (stability), the scheduler's policies (schedule), and
-// one picture rendered by several devices (many).
+// volume and picture (growth), stiff cases (stability), playing the phases of a scan (phases), the
+// scheduler's policies (schedule), and one picture rendered by several devices (many).
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +13,7 @@
 #include "bench/renderer/growth.h"
 #include "bench/renderer/multi_device_command.h"
 #include "bench/renderer/multi_process_engine.h"
+#include "bench/renderer/play_phases.h"
 #include "bench/renderer/stability.h"
 #include "bench/renderer/synthetic_volume.h"
 #include "bench/renderer/text.h"
@@ -40,6 +41,7 @@ struct Options {
   bench::ReportHead head;
   bench::StabilityOptions stability;
   bench::GrowthOptions growth;
+  bench::PlayOptions play;
   std::vector<std::uint32_t> cubes{256, 512, 1024};
   std::uint32_t canvas_cube = 512;
   std::vector<std::string> canvases{"640x360", "1280x720", "1920x1080", "3840x2160"}, others;
@@ -223,6 +225,20 @@ int run_growth(Options& options) {
   return all ? 0 : kFailed;
 }
 
+int run_phases(Options& options) {
+  auto engine = engine_of(options);
+  if (!engine) return complain(engine.error());
+  auto canvas = canvas_of(options.size);
+  if (!canvas) return complain(canvas.error());
+  options.play.canvas = *canvas;
+  const auto report = bench::play_phases(**engine, options.play);
+  if (!report) return complain(report.error());
+  const render::EngineInfo info = (*engine)->info();
+  std::cout << bench::play_text(*report, info, options.play) << std::flush;
+  const std::string json = bench::play_json(*report, info, options.play);
+  return bench::written(options.json, json) ? 0 : kFailed;
+}
+
 void add_shared(CLI::App& c, Options& o) {
   c.add_option("--engine", o.engine, "rendering engine")->check(CLI::IsMember({"cpu", "cuda"}));
   c.add_option("--threads", o.threads, "threads of the CPU engine (0 = one per core)");
@@ -235,6 +251,20 @@ CLI::App* add_stability(CLI::App& app, Options& o) {
   add_shared(*c, o);
   c->add_flag("--quick", o.stability.quick, "use a tenth of the samples");
   c->add_option("--only", o.stability.only, "only cases whose name contains this text");
+  return c;
+}
+
+CLI::App* add_phases(CLI::App& app, Options& o) {
+  auto* c = app.add_subcommand("phases", "Measure how fast the phases of a beating heart play");
+  c->add_option("--engine", o.engine, "rendering engine")->check(CLI::IsMember({"cpu", "cuda"}));
+  c->add_option("--threads", o.threads, "threads of the CPU engine (0 = one per core)");
+  c->add_option("--json", o.json, "write the results to this file as JSON");
+  c->add_option("--cube", o.play.cube, "edge length of the synthetic volume in voxels")
+      ->check(CLI::Range(16, 1024));
+  c->add_option("--phases", o.play.phases, "number of phases")->check(CLI::Range(2, 1000));
+  c->add_option("--size", o.size, "picture size in pixels, WxH");
+  c->add_option("--preset", o.play.preset, "built-in look (--list-presets of diaphane-render)");
+  c->add_option("--seconds", o.play.seconds, "seconds of playing to measure");
   return c;
 }
 
@@ -322,11 +352,13 @@ int main(int argc, char** argv) {
     add_convergence(app, options);
     const auto* stability = add_stability(app, options);
     const auto* growth = add_growth(app, options);
+    const auto* phases = add_phases(app, options);
     bench::ScheduleCommand schedule(app);
     bench::MultiDeviceCommand many(app);
     CLI11_PARSE(app, argc, argv);
     if (schedule.chosen()) return schedule.run();
     if (many.chosen()) return many.run();
+    if (*phases) return run_phases(options);
     if (*growth) return run_growth(options);
     return *stability ? run_stability(options) : run(options);
   } catch (const std::exception& error) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "renderd/composite/composite_volume.h"
 #include "renderd/engine/frame_renderer.h"
 #include "renderd/film/part.h"
 
@@ -14,6 +15,8 @@ struct AssistTask {
   /// Epoch of the compositor, which rises with each new picture. Parts of older epochs are useless.
   std::uint64_t epoch = 0;
   std::shared_ptr<const diaphane::v1::Scene> scene;
+  /// Null if it is the volume of the renderer that made the assistant's.
+  std::shared_ptr<const CompositeVolume> volume;
   Canvas canvas;
   Share share;
   bool guided = false;  ///< whether its parts include the guides of their rows
@@ -39,6 +42,9 @@ struct AssistNews {
 class Assistant {
  public:
   virtual ~Assistant() = default;
+  /// Announces the scene of the next tasks. If it needs another copy of the volume, such as another
+  /// phase, the assistant may be lost for a while.
+  virtual void expect(const diaphane::v1::Scene&) {}
   /// Begins a task, which replaces the previous one.
   virtual void begin(const AssistTask& task) = 0;
   /// Returns the part that waits, if any. There is at most one: taking it makes room for the next,

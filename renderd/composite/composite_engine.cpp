@@ -5,35 +5,11 @@
 #include <utility>
 
 #include "common/try.h"
+#include "renderd/composite/composite_volume.h"
 #include "renderd/composite/device_thread.h"
 
 namespace diaphane::render {
 namespace {
-
-/// One copy of the volume on each device.
-class CompositeVolume final : public DeviceVolume {
- public:
-  CompositeVolume(const volume::Volume& volume,
-                  std::vector<std::shared_ptr<const DeviceVolume>> copies)
-      : id_(volume.id), with_table_(!volume.surroundings_hidden), copies_(std::move(copies)) {}
-  const volume::Header& header() const override { return copies_.front()->header(); }
-  /// Returns the bytes on the device where it takes most, because each device has its own memory.
-  std::uint64_t device_bytes() const override {
-    std::uint64_t most = 0;
-    for (const auto& copy : copies_) most = std::max(most, copy->device_bytes());
-    return most;
-  }
-  const std::string& id() const { return id_; }
-  bool with_table() const { return with_table_; }
-  const std::shared_ptr<const DeviceVolume>& copy(std::size_t device) const {
-    return copies_[device];
-  }
-
- private:
-  std::string id_;
-  bool with_table_;
-  std::vector<std::shared_ptr<const DeviceVolume>> copies_;
-};
 
 /// Loads a volume on all devices at once.
 Result<std::vector<std::shared_ptr<const DeviceVolume>>> load_on_all(
@@ -132,15 +108,16 @@ class Devices final : public CompositeEngine {
       if (d == home) continue;
       auto other = alone(ours, d, seed, first_sample, method);
       if (!other) return other;
-      assistants.push_back(threads_[d]->assistant(std::move(*other)));
+      assistants.push_back(threads_[d]->assistant(std::move(*other), d));
     }
     if (source_ != nullptr && !ours->id().empty()) {
-      for (auto& one :
-           source_->assistants({ours->id(), ours->with_table(), seed, first_sample, method})) {
+      for (auto& one : source_->assistants(
+               {ours->id(), ours->with_table(), ours->phase(), seed, first_sample, method})) {
         assistants.push_back(std::move(one));
       }
     }
-    return std::make_unique<CompositeRenderer>(*std::move(own), std::move(assistants), options_);
+    return std::make_unique<CompositeRenderer>(*std::move(own), std::move(assistants), options_,
+                                               home);
   }
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,6 +14,7 @@ namespace diaphane::render {
 struct AssistOrder {
   std::string volume_id;    ///< id in the volume store
   bool with_table = false;  ///< the volume shows what surrounds the body
+  std::uint32_t phase = 0;  ///< phase of the scan
   std::uint64_t seed = 0;
   std::uint64_t first_sample = 0;
   Method method;

@@ -29,8 +29,8 @@ bool covers_canvas(const Share& share, Canvas canvas) {
 
 CompositeRenderer::CompositeRenderer(std::unique_ptr<FrameRenderer> own,
                                      std::vector<std::unique_ptr<Assistant>> assistants,
-                                     CompositeOptions options)
-    : own_(std::move(own)), options_(options) {
+                                     CompositeOptions options, std::size_t home)
+    : own_(std::move(own)), options_(options), home_(home) {
   for (auto& assistant : assistants) helpers_.emplace_back().assistant = std::move(assistant);
 }
 
@@ -39,16 +39,28 @@ void CompositeRenderer::prepare_denoising(bool enabled) {
   own_->prepare_denoising(enabled);
 }
 
+Result<void> CompositeRenderer::set_volume(std::shared_ptr<const DeviceVolume> volume) {
+  auto ours = std::dynamic_pointer_cast<const CompositeVolume>(std::move(volume));
+  if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+  DIAPHANE_TRY(own_->set_volume(ours->copy(home_)));
+  next_volume_ = std::move(ours);
+  return {};
+}
+
 Result<void> CompositeRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
   if (auto taken = own_->set_scene(scene, canvas); !taken) return taken;
   task_.epoch = ++epoch_;
   task_.scene = std::make_shared<const diaphane::v1::Scene>(scene);
+  task_.volume = next_volume_;
   task_.canvas = canvas;
   sequence_ = 0;
   own_share_ = {};
   before_ = report_.assistants > 0 ? std::optional(report_.division) : std::nullopt;
   drawn_.assign((canvas.height + kShareRows - 1) / kShareRows, 0);
-  for (Helper& helper : helpers_) helper.silent = false;
+  for (Helper& helper : helpers_) {
+    helper.silent = false;
+    helper.assistant->expect(scene);
+  }
   report_ = {};
   return deal(choose());
 }

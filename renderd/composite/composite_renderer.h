@@ -39,8 +39,10 @@ struct CompositeReport {
 class CompositeRenderer final : public FrameRenderer {
  public:
   CompositeRenderer(std::unique_ptr<FrameRenderer> own,
-                    std::vector<std::unique_ptr<Assistant>> assistants, CompositeOptions options);
+                    std::vector<std::unique_ptr<Assistant>> assistants, CompositeOptions options,
+                    std::size_t home = 0);
 
+  Result<void> set_volume(std::shared_ptr<const DeviceVolume> volume) override;
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override;
   Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override;
   Progress progress() const override;
@@ -80,7 +82,9 @@ class CompositeRenderer final : public FrameRenderer {
 
   const std::unique_ptr<FrameRenderer> own_;
   const CompositeOptions options_;
+  const std::size_t home_;  ///< device of `own_`
   std::vector<Helper> helpers_;
+  std::shared_ptr<const CompositeVolume> next_volume_;  ///< AssistTask::volume of the next scene
 
   AssistTask task_;  ///< task of this epoch, without the share
   std::uint64_t epoch_ = 0;

@@ -375,7 +375,7 @@ class CountingRenderer final : public FrameRenderer {
 TEST(DeviceThread, PausesWhileItsPartsAreNotTaken) {
   auto samples = std::make_shared<std::atomic<int>>(0);
   DeviceThread thread;
-  const auto assistant = thread.assistant(std::make_unique<CountingRenderer>(samples));
+  const auto assistant = thread.assistant(std::make_unique<CountingRenderer>(samples), 0);
   AssistTask task;
   task.scene = std::make_shared<const diaphane::v1::Scene>();
   task.epoch = 4;
@@ -403,7 +403,7 @@ TEST(DeviceThread, HelpsNoOtherWhileItsOwnPicturesNeedIt) {
   std::atomic<bool> needed{true};
   DeviceThread thread;
   thread.keep_for_own([&] { return needed.load(); });
-  const auto assistant = thread.assistant(std::make_unique<CountingRenderer>(samples));
+  const auto assistant = thread.assistant(std::make_unique<CountingRenderer>(samples), 0);
   const auto becomes_lost = [&](bool lost) {
     for (int i = 0; i < 5000 && assistant->lost() != lost; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

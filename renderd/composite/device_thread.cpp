@@ -29,7 +29,8 @@ double elapsed_since(Clock::time_point begin) {
 /// rest belongs to the device's thread.
 class DeviceThread::Job {
  public:
-  explicit Job(std::unique_ptr<FrameRenderer> renderer) : renderer_(std::move(renderer)) {}
+  Job(std::unique_ptr<FrameRenderer> renderer, std::size_t device)
+      : renderer_(std::move(renderer)), device_(device) {}
 
   void begin(const AssistTask& task) {
     const std::lock_guard lock(mutex_);
@@ -92,6 +93,7 @@ class DeviceThread::Job {
     since_ = Clock::now();
     if (continues) return true;
     renderer_->prepare_denoising(current_.guided);
+    if (current_.volume && !renderer_->set_volume(current_.volume->copy(device_))) return fail();
     if (!renderer_->set_scene(*current_.scene, current_.canvas)) return fail();
     if (!renderer_->set_share(current_.share)) return fail();
     return true;
@@ -144,6 +146,7 @@ class DeviceThread::Job {
   std::atomic<bool> gone_{false};
 
   const std::unique_ptr<FrameRenderer> renderer_;
+  const std::size_t device_;
   AssistTask current_;
   std::uint64_t applied_ = 0;
   std::uint64_t held_ = 0, delivered_ = 0;
@@ -185,8 +188,9 @@ DeviceThread::~DeviceThread() {
   thread_.join();
 }
 
-std::unique_ptr<Assistant> DeviceThread::assistant(std::unique_ptr<FrameRenderer> renderer) {
-  auto job = std::make_shared<Job>(std::move(renderer));
+std::unique_ptr<Assistant> DeviceThread::assistant(std::unique_ptr<FrameRenderer> renderer,
+                                                   std::size_t device) {
+  auto job = std::make_shared<Job>(std::move(renderer), device);
   add(job);
   return std::make_unique<JobAssistant>(*this, std::move(job));
 }

@@ -24,9 +24,9 @@ class DeviceThread {
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
 
-  /// Makes an assistant that renders with `renderer`, which must belong to this device. The thread
-  /// must outlive the assistant.
-  std::unique_ptr<Assistant> assistant(std::unique_ptr<FrameRenderer> renderer);
+  /// Makes an assistant that renders with `renderer`, which must belong to this device, and copies
+  /// of volumes for `device`. The thread must outlive the assistant.
+  std::unique_ptr<Assistant> assistant(std::unique_ptr<FrameRenderer> renderer, std::size_t device);
   /// Sets `needed`: the assistants are lost while the function is true, and come back some time
   /// after it has become false. Null: the device is never needed. The previous function is never
   /// called after this returns.

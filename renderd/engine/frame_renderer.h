@@ -42,7 +42,15 @@ class DeviceVolume {
 /// Renders one session's picture progressively. Code that needs only one of the three interfaces
 /// takes that interface. A renderer is not thread-safe: only one thread at a time may call it, but
 /// the thread may change. Different renderers of an engine may be called concurrently.
-class FrameRenderer : public ProgressiveRenderer, public PictureSource, public FilmExchange {};
+class FrameRenderer : public ProgressiveRenderer, public PictureSource, public FilmExchange {
+ public:
+  /// Sets the volume of the next scene, such as another phase of a scan. The current scene and its
+  /// picture keep theirs until set_scene() succeeds. Fails with kInternal if another engine loaded
+  /// the volume.
+  virtual Result<void> set_volume(std::shared_ptr<const DeviceVolume>) {
+    return fail(ErrorCode::kUnsupported, "this renderer always shows the same volume");
+  }
+};
 
 /// A rendering device. Thread-safe.
 class Engine {

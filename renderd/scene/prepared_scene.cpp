@@ -152,7 +152,7 @@ bool use_exact_walk(const PreparedScene& scene, Method method) {
 Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
                                     const volume::Header& header, const ValueGrid& grid,
                                     const PreparedScene* before,
-                                    const diaphane::v1::Scene* before_scene) {
+                                    const diaphane::v1::Scene* before_scene, TransferCache* baked) {
   DIAPHANE_TRY(check_scene(scene));
   if (!is_sound(canvas)) {
     return fail(
@@ -195,6 +195,8 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   if (before != nullptr && before_scene != nullptr &&
       MessageDifferencer::Equals(before_scene->transfer_function(), scene.transfer_function())) {
     out.transfer = before->transfer;
+  } else if (baked != nullptr) {
+    out.transfer = baked->get(scene.transfer_function(), grid, size, out.spacing);
   } else {
     out.transfer = std::make_shared<const PreparedTransfer>(
         prepare_transfer(scene.transfer_function(), grid, size, out.spacing));

@@ -54,12 +54,14 @@ struct PreparedScene {
 };
 
 /// Checks a scene and prepares it for a volume. Fails with kInvalid and the name of the field.
-/// `before` may be the scene prepared last for the same volume, and `before_scene` the message that
-/// it was prepared from.
+/// `before` may be the scene that was prepared last, and `before_scene` the message that
+/// it was prepared from. If `before` is of another volume, only its textures are reused, and
+/// `before_scene` must be null. `baked`, if not null, keeps the transfer functions of the volume.
 Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
                                     const volume::Header& header, const ValueGrid& grid,
                                     const PreparedScene* before = nullptr,
-                                    const diaphane::v1::Scene* before_scene = nullptr);
+                                    const diaphane::v1::Scene* before_scene = nullptr,
+                                    TransferCache* baked = nullptr);
 
 /// Returns whether directions sampled from the scattering of the scene's matter are samples of its
 /// lights too. See kMixes, which is the same for the features of the kernel.

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "api/proto/scene.pb.h"
@@ -56,5 +60,22 @@ Material material_at(const diaphane::v1::TransferFunction& function, double valu
 /// maxima: an engine computes the rest on its device.
 PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function,
                                   const ValueGrid& grid, Int3 size, Float3 spacing);
+
+/// The transfer functions that were baked last for one volume. All pictures of the volume share
+/// them, so that a scan whose phases are played does not bake one for each phase that returns.
+/// Thread-safe.
+class TransferCache {
+ public:
+  std::shared_ptr<const PreparedTransfer> get(const diaphane::v1::TransferFunction& function,
+                                              const ValueGrid& grid, Int3 size, Float3 spacing);
+
+ private:
+  struct Baked {
+    std::string function;
+    std::shared_ptr<const PreparedTransfer> transfer;
+  };
+  std::mutex mutex_;
+  std::vector<Baked> baked_;  ///< newest last
+};
 
 }  // namespace diaphane::render

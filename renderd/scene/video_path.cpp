@@ -139,6 +139,31 @@ Result<void> check_side(std::uint32_t side, const char* field) {
               "A video must be 16 to 1920 pixels wide and high, in even numbers.", field);
 }
 
+Result<void> check_phases(const v1::Video& video, std::uint32_t phases) {
+  if (video.phase_cycles() > 0 && phases < 2) {
+    return fail(ErrorCode::kInvalid, "This scan has no phases to play.", "phaseCycles");
+  }
+  if (video.phase_cycles() > video.frames()) {
+    return fail(ErrorCode::kInvalid, "A video needs at least one frame per cycle of the phases.",
+                "phaseCycles");
+  }
+  if (video.path() == v1::Video::STANDING && video.phase_cycles() == 0) {
+    return fail(ErrorCode::kInvalid,
+                "A video must play the phases of the scan if its camera does not move.",
+                "phaseCycles");
+  }
+  return {};
+}
+
+v1::Scene view_at(const v1::Video& video, const std::vector<v1::Scene>& keys, std::uint32_t index) {
+  if (video.path() == v1::Video::STANDING) return keys.front();
+  if (video.path() == v1::Video::TURNTABLE) {
+    return turned_about_target(keys.front(), static_cast<double>(index) / video.frames());
+  }
+  const double at = static_cast<double>(index) / (video.frames() - 1);
+  return on_tour(keys, at * static_cast<double>(keys.size() - 1));
+}
+
 }  // namespace
 
 v1::Scene turned_about_target(const v1::Scene& scene, double turn) {
@@ -171,7 +196,8 @@ v1::Scene on_tour(const std::vector<v1::Scene>& keys, double at) {
   return scene;
 }
 
-Result<void> check_video(const v1::Video& video, const std::vector<v1::Scene>& keys) {
+Result<void> check_video(const v1::Video& video, const std::vector<v1::Scene>& keys,
+                         std::uint32_t phases) {
   if (video.frames_per_second() < 10 || video.frames_per_second() > 60) {
     return fail(ErrorCode::kInvalid, "A video must have 10 to 60 frames per second.",
                 "framesPerSecond");
@@ -186,9 +212,10 @@ Result<void> check_video(const v1::Video& video, const std::vector<v1::Scene>& k
     return fail(ErrorCode::kInvalid, "The error of a frame must be between 0.005 and 1.", "error");
   }
   const bool tour = video.path() == v1::Video::TOUR;
-  if (!tour && video.path() != v1::Video::TURNTABLE) {
-    return fail(ErrorCode::kInvalid, "A video must be a turntable or a tour.", "path");
+  if (!tour && video.path() != v1::Video::TURNTABLE && video.path() != v1::Video::STANDING) {
+    return fail(ErrorCode::kInvalid, "This kind of video is not supported.", "path");
   }
+  if (const auto sound = check_phases(video, phases); !sound) return sound;
   if (keys.size() < (tour ? 2u : 1u) || keys.size() > kMostKeyViews) {
     return fail(ErrorCode::kInvalid,
                 tour ? "A tour must have 2 to 16 views." : "The view is missing.", "keys");
@@ -200,12 +227,12 @@ Result<void> check_video(const v1::Video& video, const std::vector<v1::Scene>& k
 }
 
 v1::Scene video_frame(const v1::Video& video, const std::vector<v1::Scene>& keys,
-                      std::uint32_t index) {
-  if (video.path() == v1::Video::TURNTABLE) {
-    return turned_about_target(keys.front(), static_cast<double>(index) / video.frames());
-  }
-  const double at = static_cast<double>(index) / (video.frames() - 1);
-  return on_tour(keys, at * static_cast<double>(keys.size() - 1));
+                      std::uint32_t index, std::uint32_t phases) {
+  v1::Scene scene = view_at(video, keys, index);
+  if (video.phase_cycles() == 0) return scene;
+  const std::uint64_t step = std::uint64_t{index} * video.phase_cycles() * phases / video.frames();
+  scene.set_volume_phase(static_cast<std::uint32_t>(step % phases));
+  return scene;
 }
 
 }  // namespace diaphane::render

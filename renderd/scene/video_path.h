@@ -32,14 +32,17 @@ diaphane::v1::Scene turned_about_target(const diaphane::v1::Scene& scene, double
 /// points). Otherwise it changes halfway.
 diaphane::v1::Scene on_tour(const std::vector<diaphane::v1::Scene>& keys, double at);
 
-/// Checks the request of a video. Fails with kInvalid and the name of the wrong field or key view.
+/// Checks the request of a video of a scan with `phases` phases. Fails with kInvalid and the name
+/// of the wrong field or key view.
 Result<void> check_video(const diaphane::v1::Video& video,
-                         const std::vector<diaphane::v1::Scene>& keys);
+                         const std::vector<diaphane::v1::Scene>& keys, std::uint32_t phases = 1);
 
 /// Returns frame `index` of a video that has passed check_video(). The last frame of a turntable is
 /// one step before its first one, so that it loops seamlessly. The last frame of a tour is its last
-/// key.
+/// key. If the phases are played, each is shown equally long, and the last frame shows the last
+/// one.
 diaphane::v1::Scene video_frame(const diaphane::v1::Video& video,
-                                const std::vector<diaphane::v1::Scene>& keys, std::uint32_t index);
+                                const std::vector<diaphane::v1::Scene>& keys, std::uint32_t index,
+                                std::uint32_t phases = 1);
 
 }  // namespace diaphane::render

@@ -222,5 +222,40 @@ TEST(CheckVideo, RefusesValuesOutOfRange) {
   EXPECT_FALSE(check_video(video_of(v1::Video::TURNTABLE, 100), {v1::Scene{}}));
 }
 
+TEST(PhasesOfVideo, ShowsEachPhaseEquallyLongInEveryCycle) {
+  v1::Video video = video_of(v1::Video::STANDING, 80);
+  video.set_phase_cycles(2);
+  const v1::Scene scene = seen_from(0, -500, 0);
+  ASSERT_TRUE(check_video(video, {scene}, 10));
+  std::vector<int> shown(10);
+  for (std::uint32_t frame = 0; frame < 80; ++frame) {
+    v1::Scene seen = video_frame(video, {scene}, frame, 10);
+    EXPECT_EQ(seen.volume_phase(), frame / 4 % 10);
+    ++shown[seen.volume_phase()];
+    seen.clear_volume_phase();
+    EXPECT_TRUE(MessageDifferencer::Equals(seen, scene)) << "the camera stands";
+  }
+  EXPECT_THAT(shown, testing::Each(8));
+}
+
+TEST(PhasesOfVideo, TurnsWhilePhasesPlay) {
+  v1::Video video = video_of(v1::Video::TURNTABLE, 100);
+  video.set_phase_cycles(5);
+  const v1::Scene seen = video_frame(video, {seen_from(0, -500, 0)}, 50, 20);
+  EXPECT_NEAR(eye_of(seen).y, 500, 1e-9);
+  EXPECT_EQ(seen.volume_phase(), 10u);
+}
+
+TEST(PhasesOfVideo, RefusesPhasesThatCannotBePlayed) {
+  const std::vector<v1::Scene> keys{seen_from(0, -500, 0)};
+  v1::Video video = video_of(v1::Video::STANDING, 50);
+  EXPECT_EQ(check_video(video, keys, 10).error().field, "phaseCycles");
+  video.set_phase_cycles(51);
+  EXPECT_EQ(check_video(video, keys, 10).error().field, "phaseCycles");
+  video.set_phase_cycles(50);
+  EXPECT_TRUE(check_video(video, keys, 10));
+  EXPECT_EQ(check_video(video, keys, 1).error().field, "phaseCycles");
+}
+
 }  // namespace
 }  // namespace diaphane::render

@@ -167,6 +167,7 @@ void Ledger::began(double seconds, Time now) {
   began_moving_ = moving();
   began_at_ = now;
   input_seq_ = requested_.input_seq;
+  volume_phase_ = requested_.scene->volume_phase();
   progress_ = {};
   progress_.error = kUnknownError;
   samples_shown_ = 0;

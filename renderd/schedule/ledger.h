@@ -44,8 +44,6 @@ class Ledger {
 
   /// Records that the film was cleared for the requested view, which took `seconds`.
   void began(double seconds, Time now);
-  /// Records that the film was lost with its renderer, so that the view is rendered again.
-  void lost_film() { applied_version_ = 0; }
   /// Records that the renderer refused the scene or the size. They are not tried again, and the
   /// picture stays.
   void refused();
@@ -70,6 +68,7 @@ class Ledger {
   std::uint64_t epoch() const { return epoch_; }
   std::uint64_t applied_version() const { return applied_version_.value_or(0); }
   std::uint64_t input_seq() const { return input_seq_; }  ///< newest input that the film shows
+  std::uint32_t volume_phase() const { return volume_phase_; }  ///< phase that the film shows
   std::uint64_t samples_shown() const { return samples_shown_; }
   /// Returns whether the next picture is one of a gesture or the preview of a picture at rest:
   /// small, urgent and encoded for speed.
@@ -100,6 +99,7 @@ class Ledger {
   Time began_at_{};
   std::uint64_t epoch_ = 0;
   std::uint64_t input_seq_ = 0;
+  std::uint32_t volume_phase_ = 0;
   Progress progress_;
   Time served_at_{};
 

@@ -67,17 +67,6 @@ void Runner::remove(std::uint64_t handle) {
   changed_.notify_one();
 }
 
-void Runner::replace(std::uint64_t handle, std::unique_ptr<FrameRenderer> renderer) {
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& entry : known_) {
-      if (entry->handle == handle) entry->next_renderer = std::move(renderer);
-    }
-    ++wakes_;
-  }
-  changed_.notify_one();
-}
-
 void Runner::wake() {
   {
     const std::lock_guard lock(mutex_);
@@ -104,7 +93,6 @@ void Runner::run() {
     }
     adopt();
     collect();
-    take_next_renderers();
     if (step()) continue;
     std::unique_lock lock(mutex_);
     const bool idle = in_flight_.count() == 0;
@@ -138,18 +126,6 @@ void Runner::adopt() {
   std::copy_if(entries_.begin(), entries_.end(), std::back_inserter(leaving), gone);
   std::erase_if(entries_, gone);
   std::erase_if(known_, gone);
-}
-
-// Called right after collect(), because a busy session is hardly ever without a quantum in flight
-// at any other time.
-void Runner::take_next_renderers() {
-  std::vector<std::unique_ptr<FrameRenderer>> replaced;  // destroyed outside the lock
-  const std::lock_guard lock(mutex_);
-  for (const auto& entry : entries_) {
-    if (!entry->next_renderer || entry->under_way) continue;
-    replaced.push_back(std::exchange(entry->renderer, std::move(entry->next_renderer)));
-    entry->ledger.lost_film();
-  }
 }
 
 // Returns the time until the next change that does not wake the thread: a moving session comes to
@@ -407,7 +383,8 @@ bool Runner::render(WorkItem& item, ProgressMonitor::Work& work) {
   if (ledger.stale()) {
     const double before = own_seconds(item);
     entry.renderer->prepare_denoising(!ledger.requested().raw);
-    auto taken = entry.renderer->set_scene(*ledger.requested().scene, ledger.planned());
+    auto taken = set_scene(*entry.renderer, ledger.requested().volume, *ledger.requested().scene,
+                           ledger.planned());
     item.scene_seconds = own_seconds(item) - before;
     if (!taken) {
       item.refused = std::move(taken.error());
@@ -479,6 +456,7 @@ void Runner::show(WorkItem& item, const EmissionInput& question) {
   rendered.info.epoch = ledger.epoch();
   // If an update changed nothing, the same picture answers it under the new input's number.
   rendered.info.input_seq = ledger.stale() ? ledger.input_seq() : ledger.requested().input_seq;
+  rendered.info.volume_phase = ledger.volume_phase();
   rendered.info.samples = ledger.progress().samples;
   rendered.info.error = ledger.progress().error;
   rendered.info.stops = ledger.progress().stops;

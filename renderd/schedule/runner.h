@@ -36,6 +36,7 @@ struct StillJob {
   bool smoothed = false;  ///< denoised, like the first pictures of a session
   /// The submitter may use it again as soon as `done` is called.
   std::shared_ptr<FrameRenderer> renderer;
+  std::shared_ptr<const DeviceVolume> volume;  ///< null: that of the renderer
   /// Deadline of the picture. It is then delivered with the samples that it has, at least one.
   /// Without a deadline a busy device would restart it with each request and never finish it.
   std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
@@ -86,9 +87,6 @@ class Runner {
   /// `first_epoch` + 1.
   std::uint64_t add(std::shared_ptr<RenderClient> client, std::unique_ptr<FrameRenderer> renderer,
                     std::uint64_t first_epoch);
-  /// Gives the client another renderer, with which rendering starts over, as soon as no quantum of
-  /// it is in flight.
-  void replace(std::uint64_t handle, std::unique_ptr<FrameRenderer> renderer);
   /// Stops rendering for a client. Returns immediately; a quantum in flight is interrupted and its
   /// result discarded.
   void remove(std::uint64_t handle);
@@ -120,7 +118,6 @@ class Runner {
 
   void run();
   void adopt();
-  void take_next_renderers();
   void collect();
   /// Begins the next quanta. Returns true if it began any and there may be room for more.
   bool step();

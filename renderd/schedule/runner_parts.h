@@ -15,6 +15,16 @@ inline double seconds_between(std::chrono::steady_clock::time_point from,
   return std::chrono::duration<double>(to - from).count();
 }
 
+/// Sets a scene and the volume that it shows, unless that is null.
+inline Result<void> set_scene(FrameRenderer& renderer,
+                              const std::shared_ptr<const DeviceVolume>& volume,
+                              const diaphane::v1::Scene& scene, Canvas canvas) {
+  if (volume) {
+    if (auto taken = renderer.set_volume(volume); !taken) return taken;
+  }
+  return renderer.set_scene(scene, canvas);
+}
+
 /// A still precedes sessions once it is owed this much device time.
 inline constexpr double kStillQuantumSeconds = 0.03;
 
@@ -26,7 +36,6 @@ struct Runner::SessionEntry {
   std::uint64_t handle = 0;
   std::shared_ptr<RenderClient> client;
   std::unique_ptr<FrameRenderer> renderer;
-  std::unique_ptr<FrameRenderer> next_renderer;  // guarded by the runner's lock
   std::atomic<bool> gone{false};
   Ledger ledger;
 

@@ -43,7 +43,7 @@ void Runner::render_still(WorkItem& item, ProgressMonitor::Work& work) {
   const double before = own_seconds(item);
   if (!item.still->prepared) {
     job.renderer->prepare_denoising(job.smoothed);
-    if (const auto taken = job.renderer->set_scene(*job.scene, job.canvas); !taken) {
+    if (const auto taken = set_scene(*job.renderer, job.volume, *job.scene, job.canvas); !taken) {
       item.failed = taken.error();
       return;
     }

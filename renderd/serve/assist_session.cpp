@@ -136,7 +136,7 @@ Result<void> AssistHost::Session::open(const v1::AssistOpen& open) {
     return fail(ErrorCode::kInvalid, "The volume ID is missing or invalid.", "volume_id");
   DIAPHANE_TRY(host_.admit(open.spare()));
   spare_ = open.spare();
-  host_.volumes_.get({open.volume_id(), open.with_table()},
+  host_.volumes_.get({open.volume_id(), open.with_table(), open.volume_phase()},
                      [self = shared_from_this(), open](Result<VolumeCache::Handle> volume) {
                        self->volume_ready(open, std::move(volume));
                      });

@@ -25,15 +25,16 @@ constexpr int kPngLevelOfFiles = 6;  // encoded once, kept for long
 class VideoMaker final : public FileMaker {
  public:
   VideoMaker(v1::Video video, std::vector<v1::Scene> keys, std::unique_ptr<VideoFile> file,
-             FileMarks marks)
+             FileMarks marks, std::uint32_t phases)
       : video_(std::move(video)),
         keys_(std::move(keys)),
         file_(std::move(file)),
-        marks_(std::move(marks)) {}
+        marks_(std::move(marks)),
+        phases_(phases) {}
 
   std::optional<FileStep> next() override {
     if (taken_ == video_.frames()) return std::nullopt;
-    return FileStep{std::make_shared<const v1::Scene>(video_frame(video_, keys_, taken_)),
+    return FileStep{std::make_shared<const v1::Scene>(frame()),
                     {video_.width(), video_.height()},
                     kMostSamples,
                     video_.error(),
@@ -44,7 +45,7 @@ class VideoMaker final : public FileMaker {
       DIAPHANE_TRY(file_->add(picture));
     } else {
       PictureRgb8 marked = picture;
-      marks_.draw(marked, video_frame(video_, keys_, taken_));
+      marks_.draw(marked, frame());
       DIAPHANE_TRY(file_->add(marked));
     }
     ++taken_;
@@ -54,10 +55,13 @@ class VideoMaker final : public FileMaker {
   double done() const override { return static_cast<double>(taken_) / video_.frames(); }
 
  private:
+  v1::Scene frame() const { return video_frame(video_, keys_, taken_, phases_); }
+
   const v1::Video video_;
   const std::vector<v1::Scene> keys_;
   const std::unique_ptr<VideoFile> file_;
   const FileMarks marks_;
+  const std::uint32_t phases_;
   std::uint32_t taken_ = 0;
 };
 
@@ -125,12 +129,13 @@ class PictureMaker final : public FileMaker {
 };
 
 Result<std::unique_ptr<FileMaker>> video_maker(const v1::Video& video, std::vector<v1::Scene> keys,
-                                               FileMarks marks) {
-  DIAPHANE_TRY(check_video(video, keys));
+                                               FileMarks marks, std::uint32_t phases) {
+  DIAPHANE_TRY(check_video(video, keys, phases));
   auto file =
       make_video_file({{video.width(), video.height()}, video.frames_per_second(), video.frames()});
   DIAPHANE_TRY(file);
-  return std::make_unique<VideoMaker>(video, std::move(keys), std::move(*file), std::move(marks));
+  return std::make_unique<VideoMaker>(video, std::move(keys), std::move(*file), std::move(marks),
+                                      phases);
 }
 
 Result<std::unique_ptr<FileMaker>> picture_maker(const v1::LargePicture& picture,
@@ -152,10 +157,11 @@ std::uint32_t band_rows(Canvas picture) {
 }
 
 Result<std::unique_ptr<FileMaker>> make_file_maker(const v1::FileRequest& request,
-                                                   std::vector<v1::Scene> keys, FileMarks marks) {
+                                                   std::vector<v1::Scene> keys, FileMarks marks,
+                                                   std::uint32_t phases) {
   DIAPHANE_TRY(check_mark_unit(request));
   if (request.has_video()) {
-    return video_maker(request.video(), std::move(keys), std::move(marks));
+    return video_maker(request.video(), std::move(keys), std::move(marks), phases);
   }
   if (request.has_picture()) {
     return picture_maker(request.picture(), std::move(keys), std::move(marks));

@@ -44,10 +44,10 @@ std::uint32_t band_rows(Canvas picture);
 
 inline constexpr std::uint64_t kBandPixels = std::uint64_t{1} << 20;
 
-/// Creates the maker of a file. Fails with kInvalid, naming a field of the request or its key
-/// views.
+/// Creates the maker of a file of a scan with `phases` phases. Fails with kInvalid, naming a field
+/// of the request or its key views.
 Result<std::unique_ptr<FileMaker>> make_file_maker(const diaphane::v1::FileRequest& request,
                                                    std::vector<diaphane::v1::Scene> keys,
-                                                   FileMarks marks = {});
+                                                   FileMarks marks = {}, std::uint32_t phases = 1);
 
 }  // namespace diaphane::render

@@ -7,13 +7,14 @@ namespace diaphane::render {
 
 FileWork::FileWork(Runner& runner, EncodePool& pool, std::shared_ptr<FrameRenderer> renderer,
                    std::unique_ptr<FileMaker> maker, std::weak_ptr<FileSink> sink,
-                   std::function<void(double seconds)> took)
+                   std::function<void(double seconds)> took, FindVolume find)
     : runner_(runner),
       pool_(pool),
       renderer_(std::move(renderer)),
       maker_(std::move(maker)),
       sink_(std::move(sink)),
-      took_(std::move(took)) {}
+      took_(std::move(took)),
+      find_(std::move(find)) {}
 
 void FileWork::stop() { stopped_ = true; }
 
@@ -32,6 +33,17 @@ void FileWork::next() {
   job.samples = step->samples;
   job.error = step->error;
   job.smoothed = step->smoothed;
+  if (!find_) return submit(std::move(job));
+  const auto scene = job.scene;
+  find_(*scene, [self = shared_from_this(),
+                 job](Result<std::shared_ptr<const DeviceVolume>> volume) mutable {
+    if (!volume) return self->fail_with(volume.error());
+    job.volume = std::move(*volume);
+    self->submit(std::move(job));
+  });
+}
+
+void FileWork::submit(StillJob job) {
   job.rank = StillRank::kFile;
   job.renderer = renderer_;
   job.took = took_;

@@ -35,10 +35,16 @@ class FileSink {
 /// encoded in the pool, and sent as fast as the receiver takes them. Thread-safe.
 class FileWork : public std::enable_shared_from_this<FileWork> {
  public:
-  /// `took` receives the device seconds to charge. `runner` and `pool` must outlive this object.
+  /// Calls `ready` once with the copy of the volume that a scene shows.
+  using FindVolume =
+      std::function<void(const diaphane::v1::Scene& scene,
+                         std::function<void(Result<std::shared_ptr<const DeviceVolume>>)> ready)>;
+
+  /// `took` receives the device seconds to charge. `find` is null if all pictures show the volume
+  /// of the renderer. `runner` and `pool` must outlive this object.
   FileWork(Runner& runner, EncodePool& pool, std::shared_ptr<FrameRenderer> renderer,
            std::unique_ptr<FileMaker> maker, std::weak_ptr<FileSink> sink,
-           std::function<void(double seconds)> took);
+           std::function<void(double seconds)> took, FindVolume find = nullptr);
 
   void start() { next(); }
   /// Stops rendering and sending. The file's memory is freed soon afterwards.
@@ -48,6 +54,7 @@ class FileWork : public std::enable_shared_from_this<FileWork> {
 
  private:
   void next();
+  void submit(StillJob job);
   void rendered(Result<PictureRgb8> picture);
   void code(const PictureRgb8& picture, std::uint64_t samples);
   void fail_with(const Error& why);
@@ -62,6 +69,7 @@ class FileWork : public std::enable_shared_from_this<FileWork> {
   const std::unique_ptr<FileMaker> maker_;
   const std::weak_ptr<FileSink> sink_;
   const std::function<void(double)> took_;
+  const FindVolume find_;
   std::atomic<bool> stopped_{false};
 
   std::mutex sending_;  // serialises calls of the sink; locked before the other mutex

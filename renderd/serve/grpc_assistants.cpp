@@ -9,6 +9,7 @@
 #include <deque>
 #include <mutex>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "api/proto/worker.grpc.pb.h"
@@ -22,6 +23,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kRetry{1};
+/// How long a scan must have shown the same phase before another worker loads that phase. While
+/// phases are played, the worker that shows them renders alone.
+constexpr std::chrono::milliseconds kSettled{300};
 /// A band has about 1 MB of pixels, and up to one more row of the widest canvas.
 constexpr int kMostMessageBytes = 8 << 20;
 
@@ -176,6 +180,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     v1::AssistRequest open;
     open.mutable_open()->set_volume_id(order.volume_id);
     open.mutable_open()->set_with_table(order.with_table);
+    open.mutable_open()->set_volume_phase(order.phase);
     open.mutable_open()->set_seed(order.seed);
     open.mutable_open()->set_first_sample(order.first_sample);
     open.mutable_open()->set_spare(peer_->spare);
@@ -284,6 +289,16 @@ class GrpcAssistant final : public Assistant {
   }
   ~GrpcAssistant() override { disconnect(); }
 
+  void expect(const v1::Scene& scene) override {
+    const VolumeCopy copy{scene.show_table(), scene.volume_phase()};
+    const VolumeCopy before = std::exchange(expected_, copy).value_or(copy);
+    if (before == copy) return;
+    std::tie(order_.with_table, order_.phase) = copy;
+    disconnect();
+    exchange_ = std::make_shared<Exchange>();
+    connect_after_ = Clock::now() + kSettled;
+  }
+
   void begin(const AssistTask& task) override {
     // Parts in transit are of older tasks but valid. Their epoch decides whether they are merged or
     // dropped.
@@ -313,6 +328,10 @@ class GrpcAssistant final : public Assistant {
       return true;
     }
     if (!peer_) return true;
+    if (call_ == nullptr) {
+      if (Clock::now() >= connect_after_) connect();
+      return true;
+    }
     if (!exchange_->broken) return !exchange_->ready;
     if (exchange_->ready.exchange(false)) {
       log::warning("assistant_lost", {{"address", peer_->address}});
@@ -329,6 +348,8 @@ class GrpcAssistant final : public Assistant {
   double bytes_per_second() const override { return bytes_per_second_; }
 
  private:
+  using VolumeCopy = std::pair<bool, std::uint32_t>;  ///< with its table, phase
+
   void connect() {
     tried_ = Clock::now();
     exchange_ = std::make_shared<Exchange>();
@@ -354,12 +375,14 @@ class GrpcAssistant final : public Assistant {
   }
 
   const std::shared_ptr<const AssistSlot> slot_;
-  const AssistOrder order_;
+  AssistOrder order_;
+  std::optional<VolumeCopy> expected_;  ///< of the newest scene; nullopt: that of `order_`
   const std::shared_ptr<std::atomic<double>> helped_seconds_;
   std::shared_ptr<AssistPeer> peer_;  ///< null: represents no worker
   std::shared_ptr<Exchange> exchange_;
   CallReactor* call_ = nullptr;
   Clock::time_point tried_{};
+  Clock::time_point connect_after_{};
   Clock::time_point measured_since_{};
   std::uint64_t measured_ = 0;
   double bytes_per_second_ = 1e8;

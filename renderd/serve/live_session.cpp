@@ -85,7 +85,11 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
   state_.id = facts_.id;
   state_.volume_id = facts_.volume_id;
   state_.placement = start.placement;
-  with_table_ = start.scene && start.scene->show_table();
+  copy_.id = facts_.volume_id;
+  if (start.scene) {
+    copy_.with_table = start.scene->show_table();
+    copy_.phase = start.scene->volume_phase();
+  }
   state_.requested.scene = std::move(start.scene);
   state_.requested.viewport = start.viewport;
   state_.requested.input_seq = start.input_seq;
@@ -124,13 +128,17 @@ Result<std::unique_ptr<FrameRenderer>> LiveSession::renderer_of(
 }
 
 void LiveSession::start() {
-  parts_.volumes.get({facts_.volume_id, with_table_},
-                     [self = shared_from_this()](Result<VolumeCache::Handle> volume) {
-                       self->volume_ready(std::move(volume));
-                     });
+  parts_.volumes.get(copy_, [self = shared_from_this()](Result<VolumeCache::Handle> volume) {
+    self->volume_ready(std::move(volume));
+  });
 }
 
 void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
+  show_first_volume(std::move(volume));
+  if (!ended_) load_phases();
+}
+
+void LiveSession::show_first_volume(Result<VolumeCache::Handle> volume) {
   auto renderer = renderer_of(volume);
   if (!renderer) return failed(renderer.error());
   const VolumeStats stats = parts_.stats.of(**volume);
@@ -143,6 +151,9 @@ void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
   const Turn turn(*this);
   if (ended_) return;
   volume_ = std::move(*volume);
+  state_.shown.volume = volume_;  // the renderer has it, although it has shown nothing yet
+  const std::uint32_t phases = volume_->header().phase_count();
+  copy_.phase = std::min(copy_.phase, phases - 1);
   const volume::Header stored = volume::stored_header(volume_->header());
   apply(slices_.handle(SlicesKnown{stacks_of(stored), stored}));
   presets_ = std::move(presets);
@@ -229,12 +240,17 @@ void LiveSession::dispatch(std::uint64_t connection, const v1::ClientMessage& me
   apply(render::receive(state_, connection, message, turn.now), connection);
 }
 
+std::shared_ptr<const CoarseVolume> LiveSession::coarse_of_shown() const {
+  // The picture may show an earlier phase than `volume_`.
+  return parts_.stats.of(state_.shown.volume ? *state_.shown.volume : *volume_).coarse;
+}
+
 std::optional<VisiblePoint> LiveSession::visible_at(double x, double y) const {
   std::unique_lock lock(mutex_);
   if (!volume_ || !state_.shown.scene) return std::nullopt;
   const std::shared_ptr<const v1::Scene> scene = state_.shown.scene;
   const Canvas canvas = state_.shown.viewport;
-  const auto coarse = parts_.stats.of(*volume_).coarse;
+  const auto coarse = coarse_of_shown();
   lock.unlock();
   return coarse ? visible_point_at(*coarse, *scene, canvas, x, y) : std::nullopt;
 }
@@ -246,7 +262,7 @@ std::vector<bool> LiveSession::hidden_marks(const std::vector<Double3>& places) 
   if (mark_sight_.version == shown.version && same_places(mark_sight_.places, places)) {
     return mark_sight_.hidden;
   }
-  const auto coarse = parts_.stats.of(*volume_).coarse;
+  const auto coarse = coarse_of_shown();
   lock.unlock();
   MarkSight sight{shown.version, places, std::vector<bool>(places.size())};
   if (coarse) sight.hidden = hidden_places(*coarse, *shown.scene, shown.viewport, places);
@@ -404,6 +420,7 @@ void LiveSession::send_config(std::uint64_t connection) {
   receiver->look_version = state_.requested.version;
   send(connection, message);
   if (stats.labels.labels_size() > 0) send_labels(*receiver, stats.labels);
+  if (volume_->header().phase_count() > 1) send_phases(connection);
 }
 
 void LiveSession::send_labels(const Receiver& receiver, const v1::Labels& labels) {
@@ -450,7 +467,7 @@ void LiveSession::apply(const Outcome& outcome, std::uint64_t connection) {
   }
   if (outcome.configure) carry_out(effect::Configure{connection});
   apply(cameras_.handle(SceneChanged{}, state_));
-  apply(slices_.handle(SceneChanged{}, state_));
+  apply(slices_.handle(SceneChanged{}, state_, parts_.clock.now()));
   if (outcome.audience) broadcast_participants();
   if (outcome.presenter) {
     const Receiver* presenter = state_.audience.of(state_.audience.presenter);

@@ -265,18 +265,31 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   /// Returns the session whose picture a viewer sees, which may be that of their own camera.
   std::shared_ptr<LiveSession> seen_by(std::uint64_t connection);
 
-  // Showing or hiding the table needs another copy of the volume, which is loaded before the runner
-  // receives the scene (session_volume.cpp). Requires the lock:
+  // Another phase of the scan, or showing or hiding the table, needs another copy of the volume,
+  // which is loaded before the runner receives the scene (session_volume.cpp). Require the lock:
+  VolumeKey copy_for(const diaphane::v1::Scene& scene) const;
   bool volume_fits();
+  std::shared_ptr<const CoarseVolume> coarse_of_shown() const;
+  void change_volume(const VolumeKey& copy, VolumeCache::Handle volume);
+  void make_ready();
+  /// Tells the viewers how many phases are loaded. Returns the next one that is missing, or
+  /// `copy_`.
+  VolumeKey report_phases();
+  void send_phases(std::uint64_t connection);
+  void send_phases_to_all();
   // Must be called without the lock:
   void volume_ready(Result<VolumeCache::Handle> volume);
+  void show_first_volume(Result<VolumeCache::Handle> volume);
   /// Ends the session, because it cannot continue.
   void failed(const Error& why);
   Result<std::unique_ptr<FrameRenderer>> renderer_of(const Result<VolumeCache::Handle>& volume);
-  void other_volume_ready(bool with_table, Result<VolumeCache::Handle> loaded);
-  void labels_ready(bool with_table, Result<VolumeCache::Handle> loaded);
-  /// Shows another copy of the volume.
-  void change_volume(VolumeCache::Handle volume, std::unique_ptr<FrameRenderer> renderer);
+  void other_volume_ready(const VolumeKey& copy, Result<VolumeCache::Handle> loaded);
+  void labels_ready(const VolumeKey& copy, Result<VolumeCache::Handle> loaded);
+  void show_other_volume(const VolumeKey& copy, Result<VolumeCache::Handle> loaded);
+  /// Loads all phases of the scan, one after the other, so that they can be played. Does nothing if
+  /// they do not all fit on the device.
+  void load_phases();
+  void load_next_phase(std::uint32_t most);
 
   // Textures are decoded before the runner receives the scene that uses them
   // (session_textures.cpp). Require the lock:
@@ -315,14 +328,17 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::map<std::string, std::shared_ptr<LiveSession>> camera_sessions_;  // by id
   std::uint64_t followed_ = 0;  // number of the presenter's newest settings
   std::shared_ptr<const DeviceVolume> volume_;
-  bool with_table_ = false;     ///< VolumeKey::with_table of `volume_`, or of the one awaited first
-  bool loading_other_ = false;  ///< the one with the other value of `with_table_`
+  VolumeKey copy_;               ///< key of `volume_`, or of the one awaited first
+  bool loading_other_ = false;   ///< another copy of the volume
+  bool loading_phases_ = false;  ///< load_next_phase()
+  diaphane::v1::VolumePhases phases_;
   std::optional<File> file_;
   std::vector<diaphane::v1::Preset> presets_;
   std::optional<diaphane::v1::Clip> fallback_clip_;  // clip of a scene that could not be shown
-  /// The request whose textures are all decoded, which the runner sees.
+  /// The request whose textures and volume are loaded, which the runner sees.
   ViewRequest ready_;
-  std::shared_ptr<const PreparedTextures> textures_;  // for `ready_`
+  std::shared_ptr<const diaphane::v1::Scene> decoded_;  ///< scene whose textures are all decoded
+  std::shared_ptr<const PreparedTextures> textures_;    // for `decoded_`
   bool decoding_ = false;
   std::uint64_t runner_handle_ = 0;
   std::atomic<bool> ended_{false};

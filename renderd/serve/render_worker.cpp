@@ -2,6 +2,7 @@
 
 #include <malloc.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -31,9 +32,16 @@ struct Source {
   std::string store;
   std::shared_ptr<volume::NodeCache> copies;
 
-  // Reads a volume. `id` was validated, so the path cannot leave the store.
-  Result<volume::Volume> read(const std::string& id) const {
-    return copies ? copies->read(id) : volume::read(store + "/" + id, false);
+  // Reads a phase of a volume, or its last phase if it has fewer. `id` was validated, so the path
+  // cannot leave the store.
+  Result<volume::Volume> read(const std::string& id, std::uint32_t phase) const {
+    const std::string directory = store + "/" + id;
+    if (phase > 0) {
+      const auto header = volume::read_header(directory);
+      DIAPHANE_TRY(header);
+      phase = std::min(phase, header->phase_count() - 1);
+    }
+    return copies ? copies->read(id, phase) : volume::read(directory, false, phase);
   }
 };
 
@@ -41,7 +49,7 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
                                         const Source& source, const VolumeKey& key) {
   const auto start = std::chrono::steady_clock::now();
   const std::string& id = key.id;
-  auto volume = source.read(id);
+  auto volume = source.read(id, key.phase);
   DIAPHANE_TRY(volume);
   const std::uint32_t refinement = volume::refinement_of(volume->header);
   std::optional<volume::Volume> copy;
@@ -66,8 +74,8 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
   return loaded;
 }
 
-Result<VolumeCache::Handle> load_voxels(const Source& source, const std::string& id) {
-  auto volume = source.read(id);
+Result<VolumeCache::Handle> load_voxels(const Source& source, const VolumeKey& key) {
+  auto volume = source.read(key.id, key.phase);
   DIAPHANE_TRY(volume);
   // Drops the labels, because slices show only the stored values.
   volume->label_set = {};
@@ -113,7 +121,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
       textures_(std::make_unique<EncodePool>(1, kTextureRest)),
       voxels_(std::make_unique<VolumeCache>(
           [source = Source{options.volume_dir, options.copies}](const VolumeKey& key) {
-            return load_voxels(source, key.id);
+            return load_voxels(source, key);
           },
           options.volume_bytes, 1,
           [store = options.volume_dir](const std::string& id) {

@@ -27,8 +27,7 @@ v1::KernelReport::Origin to_proto(KernelOrigin origin) {
 ViewRequest LiveSession::Client::requested() {
   const Turn turn(session_);
   const TimePoint now = turn.now;
-  if (session_.textures_ready() && session_.volume_fits())
-    session_.ready_ = session_.state_.requested;
+  if (session_.textures_ready() && session_.volume_fits()) session_.make_ready();
   session_.version_.store(session_.ready_.version, std::memory_order_relaxed);
   ViewRequest requested = session_.ready_;
   if (session_.visitor_) requested.viewport = visitor_canvas(requested.viewport);

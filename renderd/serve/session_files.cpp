@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "common/log.h"
 #include "common/try.h"
 #include "renderd/serve/session_turn.h"
@@ -91,7 +93,9 @@ Result<LiveSession::File> LiveSession::begin_file(effect::StartFile& effect) {
   auto marks = FileMarks::make(std::exchange(effect.marks, {}), effect.request.mark_unit(),
                                hidden_in(*effect.volume));
   DIAPHANE_TRY(marks);
-  auto maker = make_file_maker(effect.request, std::exchange(effect.keys, {}), std::move(*marks));
+  const std::uint32_t phases = effect.volume->header().phase_count();
+  auto maker =
+      make_file_maker(effect.request, std::exchange(effect.keys, {}), std::move(*marks), phases);
   DIAPHANE_TRY(maker);
   auto renderer = parts_.home->engine.renderer(effect.volume, kFileSeed, 0, kFileMethod);
   DIAPHANE_TRY(renderer);
@@ -99,8 +103,16 @@ Result<LiveSession::File> LiveSession::begin_file(effect::StartFile& effect) {
   // The work owns the reservation, also while a lane still holds the work.
   auto took = [&meter = parts_.gpu_time, user = facts_.charged_to,
                place = std::move(place)](double seconds) { meter.add(user, seconds); };
+  FileWork::FindVolume find;
+  if (phases > 1) {
+    find = [&volumes = parts_.volumes, id = facts_.volume_id, phases](const v1::Scene& scene,
+                                                                      auto ready) {
+      const std::uint32_t phase = std::min(scene.volume_phase(), phases - 1);
+      volumes.get({id, scene.show_table(), phase}, std::move(ready));
+    };
+  }
   auto work = std::make_shared<FileWork>(parts_.home->runner, parts_.encoders, std::move(*renderer),
-                                         std::move(*maker), link, std::move(took));
+                                         std::move(*maker), link, std::move(took), std::move(find));
   return File{effect.file, std::move(link), std::move(work)};
 }
 

@@ -36,6 +36,7 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame dat
     out.set_width(data.size.width);
     out.set_height(data.size.height);
     out.set_denoised(frame.denoised);
+    out.set_volume_phase(frame.volume_phase);
     out.set_render_us(frame.render_us);
     out.set_encode_us(static_cast<std::uint64_t>(seconds * 1e6));
     out.set_quality(frame.moving ? v1::MOVING : v1::SETTLED);

@@ -23,17 +23,18 @@ Result<std::vector<std::int16_t>> read_slice(const volume::Volume& volume,
 
 }  // namespace
 
-void LiveSession::carry_out(const effect::LoadVoxels&) {
+void LiveSession::carry_out(const effect::LoadVoxels& effect) {
   // Posted, because the cache may read from the store.
-  parts_.slices.pool.post(EncodePool::Urgency::kNow, [weak = weak_from_this()] {
-    const auto session = weak.lock();
-    if (!session) return;
-    session->parts_.slices.voxels.get({session->facts_.volume_id},
-                                      [weak](Result<VolumeCache::Handle> loaded) {
-                                        if (const auto alive = weak.lock())
-                                          alive->voxels_ready(std::move(loaded));
-                                      });
-  });
+  parts_.slices.pool.post(
+      EncodePool::Urgency::kNow, [weak = weak_from_this(), phase = effect.phase] {
+        const auto session = weak.lock();
+        if (!session) return;
+        session->parts_.slices.voxels.get({session->facts_.volume_id, false, phase},
+                                          [weak](Result<VolumeCache::Handle> loaded) {
+                                            if (const auto alive = weak.lock())
+                                              alive->voxels_ready(std::move(loaded));
+                                          });
+      });
 }
 
 void LiveSession::voxels_ready(Result<VolumeCache::Handle> loaded) {

@@ -7,10 +7,11 @@ namespace diaphane::render {
 
 bool LiveSession::textures_ready() {
   const std::shared_ptr<const v1::Scene> scene = state_.requested.scene;
-  if (!scene || scene == ready_.scene) return true;
+  if (!scene || scene == decoded_) return true;
   const std::vector<TextureFile> files = texture_files(*scene);
   if (files.empty()) {
     textures_.reset();
+    decoded_ = scene;
     return true;
   }
   if (decoding_) return false;
@@ -44,7 +45,7 @@ void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene
     // A newer scene arrived meanwhile. Its textures are decoded when the runner asks.
   } else if (decoded) {
     textures_ = std::move(*decoded);
-    ready_ = state_.requested;
+    decoded_ = scene;
   } else {
     outcome = render::refused(state_, state_.requested, decoded.error());
     // A session that has shown nothing yet falls back to the volume's default look.

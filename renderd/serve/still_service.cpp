@@ -86,7 +86,7 @@ void StillService::render(const v1::StillRequest& request,
   std::shared_ptr<Order> order(
       new Order{request, *canvas, std::move(cancelled), std::move(done), pending_, clock_.now()});
   volumes_.get(
-      {request.volume_id(), request.scene().show_table()},
+      {request.volume_id(), request.scene().show_table(), request.scene().volume_phase()},
       [this, order](Result<VolumeCache::Handle> volume) { begin(order, std::move(volume)); });
 }
 

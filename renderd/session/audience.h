@@ -82,6 +82,7 @@ struct Receiver {
   std::optional<TimePoint> curve_asked;   ///< time of the last request of the error curve
   std::optional<TimePoint> good_views_asked;  ///< time of the last request
   bool kernel_wanted = false;                 ///< requested, but not answered yet
+  bool has_slices = false;                    ///< whether it has slices of the current phase
   bool has_clipped_slices = false;            ///< whether it has slices of the current clip
   SharedWindow shared;
   std::uint64_t hand = 0;  ///< increases with each raised hand; 0: the hand is not raised

@@ -71,7 +71,9 @@ struct FindGoodViews {
 struct PokeEncoders {};
 
 /// Loads the voxels for slices. The answer is VoxelsLoaded.
-struct LoadVoxels {};
+struct LoadVoxels {
+  std::uint32_t phase = 0;  ///< of the scan
+};
 /// Reads and encodes a slice. The answer is SliceCoded.
 struct CodeSlice {
   std::uint64_t connection = 0;

@@ -7,6 +7,9 @@
 namespace diaphane::render {
 namespace {
 
+/// A phase that stays this long is not being played.
+constexpr std::chrono::milliseconds kPhaseSettled{500};
+
 bool same_clip(const std::optional<v1::Clip>& a, const std::optional<v1::Clip>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
   return google::protobuf::util::MessageDifferencer::Equals(*a, *b);
@@ -66,9 +69,11 @@ Effects Slices::handle(const SlicesRequested& event, SessionState& state, TimePo
   if (const auto noted = receiver->slices.replace(event.request, *stacks_, header_); !noted) {
     return {problem_to(event.connection, noted.error())};
   }
-  if (!voxels_ && receiver->slices.waiting()) {
+  const std::uint32_t phase = phase_of(state);
+  const bool loaded = voxels_ && voxels_->volume().phase == phase;
+  if (!loaded && receiver->slices.waiting()) {
     if (std::exchange(loading_, true)) return {};
-    return {effect::LoadVoxels{}};
+    return {effect::LoadVoxels{phase}};
   }
   Effects effects;
   take_next(effects, state, event.connection, now);
@@ -81,7 +86,10 @@ Effects Slices::handle(const VoxelsLoaded& event, SessionState& state, TimePoint
   auto host = event.loaded ? std::dynamic_pointer_cast<const HostVolume>(*event.loaded) : nullptr;
   // If the volume was replaced in the store, the session is about to be notified.
   const bool same = host && host->header().content_hash == event.shown_hash;
-  if (same) voxels_ = std::move(host);
+  if (same) {
+    phase_ = host->volume().phase;
+    voxels_ = std::move(host);
+  }
   for (Receiver& receiver : state.audience.receivers) {
     if (!receiver.slices.waiting()) continue;
     if (same) {
@@ -135,6 +143,7 @@ Effects Slices::handle(SliceCoded event, SessionState& state, TimePoint now) {
   } else if (!same_clip(still->clip, order.clip)) {
     receiver->slices.put_back();
   } else {
+    receiver->has_slices = true;
     receiver->has_clipped_slices = order.clip.has_value();
     effects.emplace_back(effect::Send{
         event.connection, message_of((*stacks_)[order.due.plane], order.due,
@@ -145,23 +154,43 @@ Effects Slices::handle(SliceCoded event, SessionState& state, TimePoint now) {
 }
 
 Effects Slices::handle(SlicesTicked, SessionState& state, TimePoint now) {
-  Effects effects;
+  Effects effects = handle(SceneChanged{}, state, now);
   for (const Receiver& receiver : state.audience.receivers) {
     if (receiver.slices.waiting()) take_next(effects, state, receiver.connection, now);
   }
   return effects;
 }
 
-Effects Slices::handle(SceneChanged, SessionState& state) {
-  if (clipped_by_ == state.requested.scene) return {};
+std::uint32_t Slices::phase_of(const SessionState& state) const {
+  const auto& scene = state.requested.scene;
+  return scene ? std::min(scene->volume_phase(), header_.phase_count() - 1) : 0;
+}
+
+/// Returns whether the phase has changed since the viewers got slices, and is not being played.
+/// Each phase would have to be read from disk.
+bool Slices::other_phase(const SessionState& state, TimePoint now) {
+  const std::uint32_t phase = phase_of(state);
+  const bool settled = now - phase_changed_ >= kPhaseSettled;
+  if (std::exchange(newest_phase_, phase) != phase) phase_changed_ = now;
+  if (!settled) return false;
+  return std::exchange(phase_, phase) != phase;
+}
+
+Effects Slices::handle(SceneChanged, SessionState& state, TimePoint now) {
+  const bool phase_differs = other_phase(state, now);
   const auto before = std::exchange(clipped_by_, state.requested.scene);
-  if (before && clipped_by_ && same_clip(before->clip(), clipped_by_->clip())) return {};
+  const bool clip_differs =
+      before != clipped_by_ &&
+      (!before || !clipped_by_ || !same_clip(before->clip(), clipped_by_->clip()));
   Effects effects;
   for (Receiver& receiver : state.audience.receivers) {
-    if (!std::exchange(receiver.has_clipped_slices, false)) continue;
-    effect::Send stale{receiver.connection, {}};
-    stale.message.mutable_slices_stale();
-    effects.emplace_back(std::move(stale));
+    const bool stale =
+        (phase_differs && receiver.has_slices) || (clip_differs && receiver.has_clipped_slices);
+    if (!stale) continue;
+    receiver.has_slices = receiver.has_clipped_slices = false;
+    effect::Send message{receiver.connection, {}};
+    message.message.mutable_slices_stale();
+    effects.emplace_back(std::move(message));
   }
   return effects;
 }

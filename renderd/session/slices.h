@@ -41,7 +41,7 @@ class Slices {
   Effects handle(const VoxelsLoaded& event, SessionState& state, TimePoint now);
   Effects handle(SliceCoded event, SessionState& state, TimePoint now);
   Effects handle(SlicesTicked event, SessionState& state, TimePoint now);
-  Effects handle(SceneChanged event, SessionState& state);
+  Effects handle(SceneChanged event, SessionState& state, TimePoint now);
   Effects handle(AllViewersLeft event);
 
   /// Returns nullopt until the volume is loaded.
@@ -51,8 +51,14 @@ class Slices {
   void take_next(Effects& effects, SessionState& state, std::uint64_t connection,
                  TimePoint now) const;
 
+  std::uint32_t phase_of(const SessionState& state) const;
+  bool other_phase(const SessionState& state, TimePoint now);
+
   std::optional<SliceStacks> stacks_;
-  volume::Header header_;  // of the volume that the stacks belong to
+  volume::Header header_;    // of the volume that the stacks belong to
+  std::uint32_t phase_ = 0;  ///< of the slices that viewers have, apart from stale ones
+  std::uint32_t newest_phase_ = 0;
+  TimePoint phase_changed_{};  ///< when `newest_phase_` changed
   // Kept while a viewer who requested slices is connected.
   std::shared_ptr<const HostVolume> voxels_;
   bool loading_ = false;

@@ -21,7 +21,7 @@ struct SlicesTest : testing::Test {
     slices.handle(SlicesKnown{stacks_of(volume->header()), volume->header()});
     state.requested.scene = std::make_shared<const v1::Scene>(plain_scene());
     connection = attach(state, owner(), now)->connection;
-    slices.handle(SceneChanged{}, state);
+    slices.handle(SceneChanged{}, state, now);
   }
   std::uint64_t guest() {
     JoinRequest join;
@@ -50,6 +50,12 @@ struct SlicesTest : testing::Test {
   }
   Effects load(const std::string& hash = "hash") {
     return slices.handle(VoxelsLoaded{volume, hash}, state, now);
+  }
+  Effects load_phase(std::uint32_t phase) {
+    volume::Volume voxels = volume->volume();
+    voxels.phase = phase;
+    return slices.handle(
+        VoxelsLoaded{std::make_shared<const HostVolume>(std::move(voxels)), "hash"}, state, now);
   }
   Effects coded(const CodeSlice& of) {
     return slices.handle(SliceCoded{of.connection, of.order, std::string("data")}, state, now);
@@ -260,11 +266,37 @@ TEST_F(SlicesTest, NotifiesOnlyViewersWithClippedSlicesOfStaleOnes) {
   const std::uint64_t other = guest();
   ask(other, 3);
   coded(sole<CodeSlice>(load()));
-  EXPECT_TRUE(slices.handle(SceneChanged{}, state).empty());
+  EXPECT_TRUE(slices.handle(SceneChanged{}, state, now).empty());
   clip_scene();
-  const auto stale = sole<Send>(slices.handle(SceneChanged{}, state));
+  const auto stale = sole<Send>(slices.handle(SceneChanged{}, state, now));
   EXPECT_EQ(stale.connection, other);
   EXPECT_TRUE(stale.message.has_slices_stale());
+}
+
+TEST_F(SlicesTest, SlicesFollowThePhaseOnceItIsNotPlayed) {
+  volume::Header header = volume->header();
+  header.phases.resize(10);
+  slices.handle(SlicesKnown{stacks_of(header), header});
+  const auto show = [&](std::uint32_t phase) {
+    auto scene = std::make_shared<v1::Scene>(*state.requested.scene);
+    scene->set_volume_phase(phase);
+    state.requested.scene = std::move(scene);
+    return slices.handle(SceneChanged{}, state, now);
+  };
+  ask(connection, 3);
+  coded(sole<CodeSlice>(load()));
+  EXPECT_TRUE(sole<Send>(show(4)).message.has_slices_stale()) << "chosen";
+  EXPECT_EQ(sole<LoadVoxels>(ask(connection, 4)).phase, 4u);
+  coded(sole<CodeSlice>(load_phase(4)));
+  for (std::uint32_t phase = 5; phase < 8; ++phase) {
+    now += std::chrono::milliseconds(40);
+    EXPECT_TRUE(show(phase).empty()) << "played";
+  }
+  now += std::chrono::milliseconds(499);
+  EXPECT_TRUE(slices.handle(SlicesTicked{}, state, now).empty());
+  now += std::chrono::milliseconds(1);
+  EXPECT_TRUE(sole<Send>(slices.handle(SlicesTicked{}, state, now)).message.has_slices_stale());
+  EXPECT_TRUE(slices.handle(SlicesTicked{}, state, now).empty()) << "said once";
 }
 
 TEST_F(SlicesTest, RefusesVoxelsOfReplacedVolume) {

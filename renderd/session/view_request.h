@@ -19,6 +19,8 @@ struct Effort {
 struct ViewRequest {
   std::uint64_t version = 0;  ///< rises exactly when another picture is requested
   std::shared_ptr<const diaphane::v1::Scene> scene;
+  /// The copy of the volume that the scene shows; null: that of the renderer.
+  std::shared_ptr<const DeviceVolume> volume;
   Canvas viewport;
   std::uint64_t input_seq = 0;  ///< the newest input that it contains
   std::chrono::steady_clock::time_point last_input{};
@@ -43,6 +45,7 @@ struct FrameInfo {
   double stops = 0;           ///< Progress::stops
   /// Time spent on it since the epoch began: preparing the scene, samples, and this picture.
   std::uint64_t render_us = 0;
+  std::uint32_t volume_phase = 0;  ///< phase of the scan
   bool first_of_epoch = false;
   bool moving = false;     ///< encode it for speed, not for quality
   bool converged = false;  ///< the last picture of its epoch

@@ -61,7 +61,7 @@ std::vector<VolumeCache::Outdated> VolumeCache::forget_outdated() {
     const volume::Header& header = copy->header();
     if (!now || *now == volume::version_of(header) || !forget(key, copy)) continue;
     const bool only_labels = !now->empty() && now->substr(0, now->find(' ')) == header.content_hash;
-    // The copies of a volume with and without its surroundings are neighbours in the map.
+    // The copies of a volume, such as its phases, are neighbours in the map.
     if (forgotten.empty() || forgotten.back().id != key.id) {
       forgotten.push_back({key.id, only_labels});
     }
@@ -109,6 +109,24 @@ void VolumeCache::get(const VolumeKey& key, Ready ready) {
     present = entry.volume;
   }
   ready(std::move(present));
+}
+
+VolumeCache::Handle VolumeCache::find(const VolumeKey& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(key);
+  if (found == entries_.end() || !found->second.volume) return nullptr;
+  found->second.used = ++turn_;
+  return found->second.volume;
+}
+
+bool VolumeCache::fits(const std::string& id, std::uint64_t bytes) const {
+  const std::lock_guard lock(mutex_);
+  std::uint64_t kept = bytes;
+  for (const auto& [key, entry] : entries_) {
+    if (key.id == id || !entry.volume || entry.volume.use_count() == 1) continue;
+    kept += entry.volume->device_bytes();
+  }
+  return kept <= bound_;
 }
 
 Result<VolumeCache::Handle> VolumeCache::load_safely(const VolumeKey& key) {

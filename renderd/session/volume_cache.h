@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <compare>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -10,7 +12,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <tuple>
 #include <vector>
 
 #include "common/result.h"
@@ -18,14 +19,19 @@
 
 namespace diaphane::render {
 
-/// A volume as it is shown: with or without what surrounds the body (volume::hide_surroundings).
+/// A volume as it is shown: with or without what surrounds the body (volume::hide_surroundings),
+/// and one of its phases.
 struct VolumeKey {
   std::string id;
   bool with_table = false;
-  bool operator<(const VolumeKey& other) const {
-    return std::tie(id, with_table) < std::tie(other.id, other.with_table);
-  }
+  std::uint32_t phase = 0;
+  auto operator<=>(const VolumeKey&) const = default;
 };
+
+/// Returns the phase of the scan that a scene shows: the last one if the scan has fewer.
+inline std::uint32_t shown_phase(const diaphane::v1::Scene& scene, const volume::Header& header) {
+  return std::min(scene.volume_phase(), header.phase_count() - 1);
+}
 
 /// The volumes on one device by their keys. Each is loaded once for all sessions and kept after the
 /// last one left. When the limit is reached, the least recently used volumes are evicted, except
@@ -53,6 +59,11 @@ class VolumeCache {
   /// is reported to all waiting callers and not remembered. Fails with kOutOfMemory if all loaded
   /// volumes are in use and this one does not fit beside them.
   void get(const VolumeKey& key, Ready ready);
+  /// Returns a volume if it is loaded, otherwise null. Does not query the store, so it may return a
+  /// copy that forget_outdated() is about to drop.
+  Handle find(const VolumeKey& key);
+  /// Returns whether `bytes` fit beside the volumes of other ids that are in use.
+  bool fits(const std::string& id, std::uint64_t bytes) const;
 
   struct Outdated {
     std::string id;

@@ -221,5 +221,35 @@ TEST(VolumeCache, KeepsAVolumeWithAndWithoutItsTable) {
   EXPECT_EQ(cache.bytes(), 0U);
 }
 
+Result<Handle> wait_for_copy(VolumeCache& cache, const VolumeKey& key) {
+  std::promise<Result<Handle>> promise;
+  cache.get(key, [&](Result<Handle> volume) { promise.set_value(std::move(volume)); });
+  return promise.get_future().get();
+}
+
+TEST(VolumeCache, DropsTheLeastRecentlyShownPhaseIfNotAllFit) {
+  VolumeCache cache(hundred_bytes, 300);
+  EXPECT_TRUE(cache.fits("heart", 300));
+  EXPECT_FALSE(cache.fits("heart", 301));
+  for (const std::uint32_t phase : {0u, 1u, 2u})
+    ASSERT_TRUE(wait_for_copy(cache, {"heart", false, phase}));
+  EXPECT_TRUE(cache.find({"heart", false, 0})) << "shown again";
+  ASSERT_TRUE(wait_for_copy(cache, {"heart", false, 3}));
+  EXPECT_TRUE(cache.find({"heart", false, 0}));
+  EXPECT_FALSE(cache.find({"heart", false, 1}));
+  EXPECT_FALSE(cache.find({"heart", true, 0})) << "the copy with the table";
+  EXPECT_EQ(cache.bytes(), 300U);
+  EXPECT_EQ(cache.loaded().size(), 1U) << "phases are one volume";
+}
+
+TEST(VolumeCache, PhasesFitOnlyBesideOtherVolumesInUse) {
+  VolumeCache cache(hundred_bytes, 300);
+  const auto used = wait_for_copy(cache, {"other", false, 0});
+  ASSERT_TRUE(wait_for_copy(cache, {"unused", false, 0}));
+  ASSERT_TRUE(wait_for_copy(cache, {"heart", false, 0}));
+  EXPECT_TRUE(cache.fits("heart", 200));
+  EXPECT_FALSE(cache.fits("heart", 201));
+}
+
 }  // namespace
 }  // namespace diaphane::render

@@ -22,7 +22,8 @@ const parts: { at: V; size: V; tint: number }[] = [
   { at: [-73, 5, -10], size: [8, 16, 22], tint: 0.9 },
 ];
 
-export function draw(scene: Scene, width: number, height: number, samples: number): Buffer {
+/** `beat` is the part of a heartbeat, from 0 to 1: the head grows and shrinks as a heart does. */
+export function draw(scene: Scene, width: number, height: number, samples: number, beat = 0): Buffer {
   const w = Math.max(16, Math.round(width / 4));
   const h = Math.max(16, Math.round(height / 4));
   const eye = of(scene.camera?.eye);
@@ -33,6 +34,8 @@ export function draw(scene: Scene, width: number, height: number, samples: numbe
   const colour = scene.transferFunction?.channels[0]?.diffuse ?? { r: 0.8, g: 0.8, b: 0.8 };
   const data = Buffer.alloc(w * h * 4, 255);
   const noise = 0.5 / Math.sqrt(samples);
+  const growth = 1 - 0.15 * Math.sin(Math.PI * beat) ** 2;
+  const shapes = parts.map((part) => ({ ...part, size: part.size.map((edge) => edge * growth) as V }));
   for (let y = 0; y < h; y++)
     for (let x = 0; x < w; x++) {
       const a = ((2 * (x + 0.5)) / w - 1) * half * (w / h);
@@ -42,7 +45,7 @@ export function draw(scene: Scene, width: number, height: number, samples: numbe
         forward[1] + a * right[1] + b * up[1],
         forward[2] + a * right[2] + b * up[2],
       ]);
-      const light = shade(eye, way, up, right);
+      const light = shade(shapes, eye, way, up, right);
       const grain = light > 0 ? (Math.random() - 0.5) * noise : 0;
       const at = 4 * (y * w + x);
       data[at] = level((light + grain) * colour.r, 12);
@@ -54,10 +57,10 @@ export function draw(scene: Scene, width: number, height: number, samples: numbe
 
 const level = (value: number, floor: number) => Math.min(255, floor + 255 * Math.pow(Math.max(0, value), 1 / 2.2));
 
-function shade(eye: V, way: V, up: V, right: V): number {
+function shade(shapes: typeof parts, eye: V, way: V, up: V, right: V): number {
   let nearest = Infinity;
   let light = 0;
-  for (const { at, size, tint } of parts) {
+  for (const { at, size, tint } of shapes) {
     const o = sub(eye, at).map((c, i) => c / (size[i] ?? 1)) as V;
     const d = way.map((c, i) => c / (size[i] ?? 1)) as V;
     const A = dot(d, d);

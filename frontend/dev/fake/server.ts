@@ -82,6 +82,7 @@ const sets: DataSet[] = [
     state: "uploading",
     upload: { url: "/v1/uploads/x", bytes: 2e8, received_bytes: 7.4e7, expires_at: now() },
   },
+  { ...base, id: randomUUID(), title: "Beating heart", state: "ready", volume },
   { ...base, id: randomUUID(), title: "", owned: false, is_public: true, is_sample: true, state: "ready", volume },
 ];
 const received = new Map<string, number>();
@@ -202,7 +203,11 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         problem(404, "not-found");
         return;
       }
-      if (!sessions.has(session)) sessions.set(session, { scene: sceneNamed("skin"), inputSeq: 0n, epoch: 1n });
+      if (!sessions.has(session)) {
+        const wanted = sets.find((one) => body.includes(one.id));
+        const phases = wanted?.title === "Beating heart" ? 20 : 0;
+        sessions.set(session, { scene: sceneNamed("skin"), inputSeq: 0n, epoch: 1n, phases });
+      }
       say(201, { session_id: session, stream_url: `/stream?ticket=${session}` });
       return;
     }

@@ -13,6 +13,7 @@ import {
 } from "../../src/protocol/gen/api/proto/stream_pb";
 import {
   VolumeHeader_Modality as VolumeHeaderModality,
+  VolumePhase_Kind as PhaseKind,
   VolumeHeaderSchema,
 } from "../../src/protocol/gen/api/proto/volume_pb";
 import { draw } from "./picture";
@@ -91,6 +92,13 @@ const volume = create(VolumeHeaderSchema, {
   minimum: -1024,
   maximum: 3071,
 });
+/** A heartbeat in as many phases as a scan has. */
+export const phasesOf = (count: number) =>
+  Array.from({ length: count }, (_, phase) => ({
+    $typeName: "diaphane.v1.VolumePhase" as const,
+    kind: PhaseKind.CYCLE,
+    value: (100 * phase) / count,
+  }));
 /** Air, soft tissue and bone. */
 const hill = (value: number, at: number, width: number, height: number) =>
   height * Math.exp(-(((value - at) / width) ** 2));
@@ -124,6 +132,8 @@ export interface FakeSession {
   inputSeq: bigint;
   /** Grows across connections, as a renderer's does. */
   epoch: bigint;
+  /** Number of phases of the scan. */
+  phases?: number;
 }
 
 export function serveStream(socket: WebSocket, session: FakeSession): void {
@@ -151,6 +161,7 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
       Math.min(width, 900),
       Math.min(height, Math.round((900 * height) / width)),
       samples,
+      session.phases ? session.scene.volumePhase / session.phases : 0,
     );
     say({
       case: "frame",
@@ -169,6 +180,7 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
         encodeUs: 900n,
         denoised: samples <= 4,
         stops: 0,
+        volumePhase: session.scene.volumePhase,
         decoder: "",
         quality: moving === 1 ? FrameQuality.SETTLED : FrameQuality.MOVING,
         data,
@@ -214,7 +226,7 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
           scene: session.scene,
           inputSeq: session.inputSeq,
           follower: false,
-          volume,
+          volume: { ...volume, phases: phasesOf(session.phases ?? 0) },
           histogram,
           sliceStacks: [],
           presets: Object.keys(colours).map((name) => ({
@@ -225,6 +237,9 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
         },
       });
       say({ case: "audience", value: audience });
+      const loaded = session.phases ?? 0;
+      if (loaded > 0)
+        say({ case: "volumePhases", value: { $typeName: "diaphane.v1.VolumePhases", loaded, fit: true } });
       restart();
     } else if (body.case === "scene") {
       session.inputSeq = body.value.inputSeq;

@@ -8,6 +8,9 @@ export type KeyCommand =
   | { readonly kind: "side"; readonly letter: string }
   | { readonly kind: "tour" }
   | { readonly kind: "pause" }
+  /** Plays the phases of the scan, or pauses. */
+  | { readonly kind: "play" }
+  | { readonly kind: "phase"; readonly by: 1 | -1 }
   | { readonly kind: "preset"; readonly index: number }
   | { readonly kind: "fullscreen" }
   | { readonly kind: "screenshot" }
@@ -78,9 +81,15 @@ export function commandOf(press: KeyPress, focused: Focused): KeyCommand | null 
 }
 
 /**
- * Commands that also work while a tool of the slices has the focus, because radio buttons keep it.
+ * Commands that also work while a tool of the slices or a slider has the focus, because it keeps it.
  */
-const views: Readonly<Record<string, KeyCommand>> = { v: { kind: "slices" }, m: { kind: "alone" } };
+const views: Readonly<Record<string, KeyCommand>> = {
+  v: { kind: "slices" },
+  m: { kind: "alone" },
+  k: { kind: "play" },
+  ",": { kind: "phase", by: -1 },
+  ".": { kind: "phase", by: 1 },
+};
 
 const arrows: Readonly<Record<string, readonly [number, number]>> = {
   ArrowLeft: [-1, 0],

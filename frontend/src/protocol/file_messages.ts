@@ -47,15 +47,19 @@ export interface FileMarks {
  */
 export type FileOrder = { readonly marks?: FileMarks } & (
   | {
-      readonly kind: "turntable" | "tour";
+      readonly kind: "turntable" | "tour" | "phases";
       readonly keys: readonly Scene[];
       readonly size: Viewport;
       readonly frames: number;
       readonly framesPerSecond: number;
+      /** How often all phases of the scan are played. */
+      readonly phaseCycles: number;
       readonly error: number;
     }
   | { readonly kind: "picture"; readonly keys: readonly Scene[]; readonly size: Viewport; readonly error: number }
 );
+
+const paths = { turntable: VideoPath.TURNTABLE, tour: VideoPath.TOUR, phases: VideoPath.STANDING } as const;
 
 /** Returns the messages that order the file, in order. */
 export function encodeFile(order: FileOrder): Bytes[] {
@@ -71,9 +75,10 @@ export function encodeFile(order: FileOrder): Bytes[] {
           value: create(VideoSchema, {
             ...size,
             error,
-            path: order.kind === "tour" ? VideoPath.TOUR : VideoPath.TURNTABLE,
+            path: paths[order.kind],
             frames: order.frames,
             framesPerSecond: order.framesPerSecond,
+            phaseCycles: order.phaseCycles,
           }),
         } as const);
   const marks = (order.marks?.items ?? []).map(({ mark, label }) => encodeFileMark(mark, label));

@@ -74,6 +74,7 @@ class World {
         stats: () => undefined,
         fileProgress: (done) => this.seen.push(`file ${done}`),
         filePart: (part) => this.seen.push(`part ${part.seq}`),
+        volumePhases: ({ loaded }) => this.seen.push(`${loaded} phases`),
         goodViews: (views) => this.seen.push(`${views.views.length} views`),
         errorCurve: (curve) => this.seen.push(`curve of ${curve.points.length}`),
         shared: () => this.seen.push("shared"),

@@ -352,6 +352,7 @@ export class StreamClient {
       case "markSight":
       case "labels":
       case "goodViews":
+      case "volumePhases":
         this.events[body.case](body.value as never); // the value belongs to the case
         break;
       case "slicesStale":

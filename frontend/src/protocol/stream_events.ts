@@ -1,6 +1,6 @@
 import type { ConnectionState } from "./connection";
 import type { ErrorCurve, FilePart, KernelReport } from "./file_messages";
-import type { GoodViews, Labels } from "./gen/api/proto/stream_pb";
+import type { GoodViews, Labels, VolumePhases } from "./gen/api/proto/stream_pb";
 import type { MarkSight } from "./mark_messages";
 import type { Audience, Config, ExactSlice, Frame, Problem, Scene, State, Stats, Still } from "./messages";
 import type { SharedState } from "./shared_messages";
@@ -35,4 +35,6 @@ export interface StreamEvents {
   labels(labels: Labels): void;
   /** After a request: views for a tour of the scene. */
   goodViews(views: GoodViews): void;
+  /** How many phases of the scan the renderer has loaded. */
+  volumePhases(phases: VolumePhases): void;
 }

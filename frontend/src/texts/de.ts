@@ -14,6 +14,7 @@ import { legal } from "./de/legal";
 import { live } from "./de/live";
 import { myAccount } from "./de/my_account";
 import { marks } from "./de/marks";
+import { phases } from "./de/phases";
 import { presets } from "./de/presets";
 import { problems } from "./de/problems";
 import { recording } from "./de/recording";
@@ -46,6 +47,7 @@ export const de: Texts = {
   live,
   marks,
   myAccount,
+  phases,
   presets,
   problems,
   recording,

@@ -27,6 +27,7 @@ const ignoredEvents: StreamEvents = {
   markSight: nothing,
   labels: nothing,
   goodViews: nothing,
+  volumePhases: nothing,
 };
 
 /** The progress of a background session. `Done` is its result, `Reason` a reason to fail that other sessions do not have. */

@@ -17,6 +17,7 @@ const turntable: FileOrder = {
   size: { width: 640, height: 480 },
   frames: 200,
   framesPerSecond: 25,
+  phaseCycles: 0,
   error: 0.05,
 };
 

@@ -15,6 +15,8 @@ export interface PictureFacts {
   readonly smoothed: boolean;
   /** Stops that automatic exposure added to the exposure of the scene. */
   readonly stops: number;
+  /** The phase of the scan. */
+  readonly phase: number;
 }
 
 /** The state of a picture after a pass. */

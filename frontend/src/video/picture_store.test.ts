@@ -116,7 +116,7 @@ beforeEach(() => {
 
 describe("a streamed picture", () => {
   it("is painted, acknowledged and described", async () => {
-    await show(frame(1, 3, { inputSeq: 7n, denoised: true, stops: -0.5, width: 4, height: 2 }));
+    await show(frame(1, 3, { inputSeq: 7n, denoised: true, stops: -0.5, volumePhase: 6, width: 4, height: 2 }));
     expect(painted).toEqual([4]);
     expect(acks).toEqual([1]);
     expect(store.picture.value).toEqual({
@@ -129,6 +129,7 @@ describe("a streamed picture", () => {
       height: 2,
       smoothed: true,
       stops: -0.5,
+      phase: 6,
     });
   });
 

@@ -142,6 +142,7 @@ export class PictureStore {
       height: frame.height,
       smoothed: frame.denoised,
       stops: frame.stops,
+      phase: frame.volumePhase,
     };
     this.picture.value = facts;
     const fresh = before?.epoch !== facts.epoch || before.samples > facts.samples;

@@ -15,6 +15,7 @@ import {
 import { changed, nothingYet, redone, rested, undone, type History, type Moved } from "../scene/history";
 import { comfortOf, hasComfort, originalsOf, setComfort, type Originals } from "../scene/comfort";
 import { labelsAfter } from "../scene/labels";
+import { withPhase } from "../scene/phases";
 import { resetPart, type Part } from "../scene/parts";
 
 /** The part of the session that the editor needs. */
@@ -98,7 +99,7 @@ export class SceneEditor {
     if (edited && edited !== scene) this.setScene(edited, { what, held });
   }
 
-  /** Continues a motion of the camera whose undo step exists already. */
+  /** Continues a motion whose undo step exists already, or shows another phase, which has none. */
   follow(edit: (scene: Scene) => Scene): void {
     const scene = this.scene.value;
     if (scene) this.setScene(edit(scene), null);
@@ -127,14 +128,15 @@ export class SceneEditor {
   private go(step: (steps: History<Scene>, now: Scene) => Moved<Scene> | null): void {
     const scene = this.scene.value;
     const moved = scene && this.parts.leads() ? step(this.steps.value, scene) : null;
-    if (!moved) return;
-    this.setScene(moved.value, null, true);
+    if (!scene || !moved) return;
+    // The phase is where the viewer is in time, and no edit.
+    this.setScene(withPhase(moved.value, scene.volumePhase), null, true);
     this.steps.value = moved.history;
   }
 
   /**
-   * Applies a look but keeps the cuts, the slices, what the user has changed about labels and
-   * whether the table is shown. The camera stays once somebody has moved it. Until then, the look
+   * Applies a look but keeps the cuts, the slices, the phase, what the user has changed about labels
+   * and whether the table is shown. The camera stays once somebody has moved it. Until then, the look
    * brings its own, because the look of a part is framed on that part.
    */
   applyPreset(preset: Preset): void {
@@ -144,7 +146,13 @@ export class SceneEditor {
       ...(now?.camera && !this.isHome() ? { camera: now.camera } : {}),
       ...(now?.clip ? { clip: now.clip } : {}),
       ...(now?.slices ? { slices: now.slices } : {}),
-      ...(now ? { showTable: now.showTable, labels: labelsAfter(now, this.shownPresets(), preset.scene) } : {}),
+      ...(now
+        ? {
+            showTable: now.showTable,
+            volumePhase: now.volumePhase,
+            labels: labelsAfter(now, this.shownPresets(), preset.scene),
+          }
+        : {}),
     };
     this.setScene(
       { ...this.framed(this.inComfort(preset.scene)), ...kept },

@@ -208,10 +208,10 @@ export class Tour {
   }
 }
 
-/** Whether two scenes show the same, apart from the camera. Edits replace only the parts that they change. */
+/** Whether two scenes show the same, apart from the camera and the phase. Edits replace only the parts that they change. */
 function sameMatter(a: Scene, b: Scene): boolean {
   const keys = Object.keys({ ...a, ...b }) as (keyof Scene)[];
-  return keys.every((key) => key === "camera" || a[key] === b[key]);
+  return keys.every((key) => key === "camera" || key === "volumePhase" || a[key] === b[key]);
 }
 
 const poseOfScene = (scene: Scene | null): CameraPose | null => scene && cameraOf(scene);

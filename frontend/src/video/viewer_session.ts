@@ -1,3 +1,4 @@
+/* eslint max-lines: ["error", 520] */
 import { computed, effect, signal } from "@preact/signals";
 import type { Area, Point } from "../input/flat";
 import { Collaboration } from "../live/collaboration";
@@ -45,6 +46,7 @@ import { tab } from "../storage";
 import { ResizeDebouncer } from "./canvas_size";
 import type { Painter } from "./painter";
 import { pictureIn } from "./picture_in";
+import { PhasePlayer } from "./phase_player";
 import { PictureStore } from "./picture_store";
 import { SceneEditor } from "./scene_editor";
 import { GuidedCamera } from "./guided_camera";
@@ -117,6 +119,14 @@ export class ViewerSession {
     sentInput: () => this.client.inputSeq,
     shownInput: () => this.pictures.picture.peek()?.inputSeq ?? 0,
     after,
+  });
+
+  /** The phases of the scan. */
+  readonly phases = new PhasePlayer({
+    editor: this.editor,
+    leads: () => this.client.leads && roleOf(this.audience.peek()).presents,
+    nextFrame: (task) => requestAnimationFrame(task),
+    nowMs: () => performance.now(),
   });
 
   private readonly sharedMarks: SharedMarks;
@@ -203,6 +213,7 @@ export class ViewerSession {
     this.remember();
     this.stopWatching();
     this.guide.close();
+    this.phases.close();
     this.client.stop();
     this.resizeDebouncer.stop();
     this.collaboration.stop();
@@ -417,7 +428,8 @@ export class ViewerSession {
       },
       look: (scene) => this.editor.replace(scene),
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
-      problem: ({ field, message }) => {
+      problem: ({ field, message, inputSeq }) => {
+        if (inputSeq > 0n) this.phases.pause(); // a phase that cannot be shown would be refused again and again
         this.pictures.beginWith(0); // the first input may be the refused one
         if (field === "good_views") this.guide.tour.receive(null);
         if (field.startsWith("own_camera")) this.ownView.refused();
@@ -435,6 +447,7 @@ export class ViewerSession {
         this.collaboration.receive(shared);
         this.sharedMarks.receive(shared);
       },
+      volumePhases: (phases) => (this.phases.loaded.value = phases),
       goodViews: (views) => this.guide.tour.receive(views),
       labels: ({ labels }) => (this.labels.value = labels),
       markSight: (sight) => this.sharedMarks.receiveSight(sight),
@@ -468,6 +481,7 @@ export class ViewerSession {
     this.device.value = config.device;
     this.kernel.value = null;
     this.volume.value = config.volume ?? null;
+    this.phases.configured(config.volume?.phases ?? []);
     this.treatment.value = config.treatment ?? null;
     this.slices.configured(stacksOf(config.sliceStacks), config.volume);
     this.histogram.value = config.histogram ?? null;

@@ -62,12 +62,15 @@ class CpuVolume final : public DeviceVolume {
   const ValueGrid& grid() const { return grid_; }
   const std::uint8_t* labels() const { return labels_.data(); }
   CpuVolumeView view() const { return {voxels_.data(), size_of(header_)}; }
+  /// Returns the transfer functions baked for this phase of a scan, or null if there is one phase.
+  TransferCache* baked() const { return header_.phase_count() > 1 ? &baked_ : nullptr; }
 
  private:
   volume::Header header_;
   std::vector<std::int16_t> voxels_;
   std::vector<std::uint8_t> labels_;
   ValueGrid grid_;
+  mutable TransferCache baked_;
 };
 
 /// The memory limit that all pictures of an engine share.
@@ -148,6 +151,7 @@ class CpuFrameRenderer final : public FrameRenderer {
       : pool_(std::move(pool)),
         films_(std::move(films)),
         volume_(std::move(volume)),
+        next_volume_(volume_),
         seed_(seed),
         first_sample_(first_sample),
         method_(method),
@@ -155,16 +159,25 @@ class CpuFrameRenderer final : public FrameRenderer {
     if (method_.walk == Walk::kSoonest) method_.walk = Walk::kTracking;
   }
 
+  Result<void> set_volume(std::shared_ptr<const DeviceVolume> volume) override {
+    auto ours = std::dynamic_pointer_cast<const CpuVolume>(std::move(volume));
+    if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    next_volume_ = std::move(ours);
+    return {};
+  }
+
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
-    auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
+    const bool keeps_volume = picture_ && next_volume_ == volume_;
+    auto prepared = prepare_scene(scene, canvas, next_volume_->header(), next_volume_->grid(),
                                   picture_ ? &picture_->prepared : nullptr,
-                                  picture_ ? &picture_->scene : nullptr);
+                                  keeps_volume ? &picture_->scene : nullptr, next_volume_->baked());
     DIAPHANE_TRY(prepared);
     if (method_.walk == Walk::kExact && !use_exact_walk(*prepared, method_)) {
       return fail(ErrorCode::kUnsupported, "the exact walk cannot render this scene", "estimator");
     }
     auto film = new_film(*prepared);
     if (!film) return no_memory();
+    volume_ = next_volume_;
     picture_ = std::make_unique<Picture>(scene, *std::move(prepared), std::move(film));
     picture_->drafting =
         method_.walk == Walk::kDraft && use_exact_walk(picture_->prepared, method_);
@@ -377,7 +390,8 @@ class CpuFrameRenderer final : public FrameRenderer {
 
   std::shared_ptr<ThreadPool> pool_;
   std::shared_ptr<FilmMemory> films_;
-  std::shared_ptr<const CpuVolume> volume_;
+  std::shared_ptr<const CpuVolume> volume_;       ///< of the picture
+  std::shared_ptr<const CpuVolume> next_volume_;  ///< of the next scene
   std::uint64_t seed_;
   std::uint64_t first_sample_;
   Method method_;

@@ -469,5 +469,51 @@ TEST(ErrorEstimate, IsWithinTenPercentOfTheTrueError) {
   }
 }
 
+/// Returns a volume with one of two phases: the skull, or the skull with denser bone.
+volume::Volume phase_of_skull(std::uint32_t phase) {
+  volume::Volume volume = test::skull_volume();
+  volume.header.phases = {{volume::PhaseKind::kCycle, 0}, {volume::PhaseKind::kCycle, 50}};
+  volume.phase = phase;
+  for (std::int16_t& value : volume.voxels) {
+    if (phase == 1 && value > 300) value = static_cast<std::int16_t>(value + 150);
+  }
+  return volume;
+}
+
+TEST(CpuEngine, PictureOfAPhaseEqualsThatOfThePhaseAlone) {
+  const auto scene = test::skull_scene();
+  Session s = session(phase_of_skull(0));
+  const auto other = s.engine->load(phase_of_skull(1)).value();
+  const auto first = s.engine->load(phase_of_skull(0)).value();
+  ASSERT_TRUE(s.renderer->set_scene(scene, kCanvas));
+  // Each phase twice, because the second time its tables exist already.
+  for (int turn = 0; turn < 2; ++turn) {
+    for (const std::uint32_t phase : {1u, 0u}) {
+      ASSERT_TRUE(s.renderer->set_volume(phase == 1 ? other : first));
+      ASSERT_TRUE(s.renderer->set_scene(scene, kCanvas));
+      ASSERT_EQ(s.renderer->render(3, nullptr)->samples, 3u);
+      EXPECT_EQ(radiance(*s.renderer), rendered(phase_of_skull(phase), scene, 3)) << phase;
+      EXPECT_EQ(s.renderer->progress().samples, 3u);
+    }
+  }
+  EXPECT_NE(rendered(phase_of_skull(0), scene, 3), rendered(phase_of_skull(1), scene, 3));
+}
+
+TEST(CpuEngine, KeepsPictureUntilTheSceneOfAnotherVolumeIsSet) {
+  const auto scene = test::skull_scene();
+  Session s = session(phase_of_skull(0));
+  const auto other = s.engine->load(phase_of_skull(1)).value();
+  ASSERT_TRUE(s.renderer->set_scene(scene, kCanvas));
+  ASSERT_TRUE(s.renderer->render(1, nullptr));
+  ASSERT_TRUE(s.renderer->set_volume(other));
+  diaphane::v1::Scene wrong = scene;
+  wrong.mutable_camera()->set_vertical_fov_degrees(-1);
+  EXPECT_FALSE(s.renderer->set_scene(wrong, kCanvas));
+  ASSERT_TRUE(s.renderer->render(1, nullptr));
+  EXPECT_EQ(radiance(*s.renderer), rendered(phase_of_skull(0), scene, 2));
+  const auto foreign = make_cpu_engine(1)->load(phase_of_skull(1)).value();
+  EXPECT_TRUE(s.renderer->set_volume(foreign)) << "CPU engines share the machine's memory";
+}
+
 }  // namespace
 }  // namespace diaphane::render

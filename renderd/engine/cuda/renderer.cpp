@@ -50,7 +50,7 @@ CudaRenderer::~CudaRenderer() { cudaStreamSynchronize(stream_.get()); }
 Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& prepared) const {
   Tables larger;
   const PreparedTransfer& transfer = *prepared.transfer;
-  auto acceleration = Acceleration::reserve(tables_.acceleration, *volume_, transfer);
+  auto acceleration = Acceleration::reserve(tables_.acceleration, *next_volume_, transfer);
   DIAPHANE_TRY(acceleration);
   larger.acceleration = std::move(*acceleration);
   DIAPHANE_TRY(grow(larger.colour, tables_.colour, transfer.colour.size()));
@@ -152,10 +152,21 @@ void CudaRenderer::adopt_tables(Tables larger, const PreparedScene& prepared) {
   }
 }
 
+Result<void> CudaRenderer::set_volume(std::shared_ptr<const DeviceVolume> volume) {
+  auto ours = std::dynamic_pointer_cast<const CudaVolume>(std::move(volume));
+  if (!ours || ours->device() != volume_->device()) {
+    return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+  }
+  next_volume_ = std::move(ours);
+  return {};
+}
+
 Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
   use_device();
-  auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
-                                film_ ? &prepared_ : nullptr, film_ ? &scene_ : nullptr);
+  const bool keeps_volume = film_ && next_volume_ == volume_;
+  auto prepared = prepare_scene(scene, canvas, next_volume_->header(), next_volume_->grid(),
+                                film_ ? &prepared_ : nullptr, keeps_volume ? &scene_ : nullptr,
+                                next_volume_->baked());
   DIAPHANE_TRY(prepared);
   if (method_.walk == Walk::kExact && !use_exact_walk(*prepared, method_)) {
     return fail(ErrorCode::kUnsupported, "the exact walk cannot render this scene", "estimator");
@@ -171,6 +182,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   }
   // Launches of a stopped batch may still read the tables and write to the film.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream_.get()));
+  volume_ = next_volume_;
   adopt_tables(std::move(*larger), *prepared);
   if (film) film_ = std::move(film);
   film_->reshape(canvas);

@@ -33,6 +33,7 @@ class CudaRenderer : public FrameRenderer {
   /// Waits for the stream, because its work writes to memory of this renderer.
   ~CudaRenderer() override;
 
+  Result<void> set_volume(std::shared_ptr<const DeviceVolume> volume) override;
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override;
   Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override;
   Progress progress() const override;
@@ -80,6 +81,7 @@ class CudaRenderer : public FrameRenderer {
   CudaRenderer(std::shared_ptr<const CudaVolume> volume, DeviceShares shares, std::uint64_t seed,
                std::uint64_t first_sample, Method method)
       : volume_(std::move(volume)),
+        next_volume_(volume_),
         shares_(std::move(shares)),
         seed_(seed),
         first_sample_(first_sample),
@@ -111,7 +113,8 @@ class CudaRenderer : public FrameRenderer {
   /// Returns the factor of the radiance on the display.
   float scale() const;
 
-  std::shared_ptr<const CudaVolume> volume_;
+  std::shared_ptr<const CudaVolume> volume_;       ///< of the picture
+  std::shared_ptr<const CudaVolume> next_volume_;  ///< of the next scene
   DeviceShares shares_;
   std::shared_ptr<CudaDenoiser> denoiser_;  ///< null unless this picture may be denoised
   bool guided_ = false;

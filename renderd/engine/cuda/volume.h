@@ -10,6 +10,7 @@
 #include "renderd/engine/cuda/trace_types.h"
 #include "renderd/engine/frame_renderer.h"
 #include "renderd/scene/grid.h"
+#include "renderd/scene/transfer.h"
 
 namespace diaphane::render::cuda {
 
@@ -31,6 +32,8 @@ class CudaVolume : public DeviceVolume {
   }
   /// Returns the grid without the arrays that only the device needs.
   const ValueGrid& grid() const { return grid_; }
+  /// Returns the transfer functions baked for this phase of a scan, or null if there is one phase.
+  TransferCache* baked() const { return header_.phase_count() > 1 ? &baked_ : nullptr; }
   const ValueRange* ranges() const { return ranges_.data(); }
   TextureVolume view() const;
   /// These return LabelsView::voxels and LabelGrid::set_of_cell, or null if there are no labels.
@@ -73,6 +76,7 @@ class CudaVolume : public DeviceVolume {
   volume::Header header_;
   int device_ = 0;
   ValueGrid grid_;
+  mutable TransferCache baked_;
   DeviceBuffer<ValueRange> ranges_;
   DeviceBuffer<std::uint8_t> labels_;
   DeviceBuffer<std::uint32_t> label_sets_;

@@ -41,6 +41,11 @@ class FakeRenderer final : public FrameRenderer {
   FakeRenderer(std::shared_ptr<FakeDevice> device, std::shared_ptr<const DeviceVolume> volume)
       : device_(std::move(device)), volume_(std::move(volume)) {}
 
+  Result<void> set_volume(std::shared_ptr<const DeviceVolume> volume) override {
+    volume_ = std::move(volume);
+    return {};
+  }
+
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
     if (device_->refuse_scenes || canvas.width > device_->refuse_wider_than) {
       return fail(ErrorCode::kOutOfMemory, "No memory for a picture of this size.");

@@ -46,18 +46,17 @@ class TestStore {
   }
   ~TestStore() { std::filesystem::remove_all(path); }
 
-  std::string add_ball(std::uint32_t side = 24) {
+  /// With more than one phase, the ball shrinks from phase to phase.
+  std::string add_ball(std::uint32_t side = 24, std::uint32_t phases = 1) {
     volume::Volume volume;
     volume.header.size = {side, side, side};
     volume.header.spacing = {4, 4, 4};
     volume.header.modality = volume::Modality::kCt;
-    const double centre = side / 2.0;
-    for (std::uint32_t z = 0; z < side; ++z) {
-      for (std::uint32_t y = 0; y < side; ++y) {
-        for (std::uint32_t x = 0; x < side; ++x) {
-          const double r = std::hypot(x - centre, y - centre, z - centre);
-          volume.voxels.push_back(r < 0.35 * side ? 1200 : -1000);
-        }
+    for (std::uint32_t phase = 0; phase < phases; ++phase) {
+      const double radius = 0.35 * side * (phases - phase) / phases;
+      add_ball_to(volume.voxels, side, radius);
+      if (phases > 1) {
+        volume.header.phases.push_back({volume::PhaseKind::kCycle, 100.0 * phase / phases});
       }
     }
     volume::measure(volume);
@@ -68,6 +67,19 @@ class TestStore {
   }
 
   std::string path;
+
+ private:
+  static void add_ball_to(std::vector<std::int16_t>& voxels, std::uint32_t side, double radius) {
+    const double centre = side / 2.0;
+    for (std::uint32_t z = 0; z < side; ++z) {
+      for (std::uint32_t y = 0; y < side; ++y) {
+        for (std::uint32_t x = 0; x < side; ++x) {
+          const double r = std::hypot(x - centre, y - centre, z - centre);
+          voxels.push_back(r < radius ? 1200 : -1000);
+        }
+      }
+    }
+  }
 };
 
 /// The messages that a viewer received, and how the connection ended.

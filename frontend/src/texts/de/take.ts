@@ -25,6 +25,7 @@ export const take: Texts["take"] = {
     turntable: "Video einer vollen Drehung",
     around: "Video des Rundgangs",
     tour: "Videotour durch gespeicherte Voreinstellungen",
+    phases: "Video der Phasen",
   },
   picture: "Bild speichern",
   pictureLead:
@@ -72,6 +73,8 @@ export const take: Texts["take"] = {
     "Was Sie gerade sehen, einmal um die Längsachse des Körpers gedreht. Das Video läuft ohne Sprung in einer Schleife. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   aroundLead:
     "Was Sie gerade sehen, in einem langsamen Rundgang durch die Ansichten, die am meisten davon zeigen. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
+  phasesLead:
+    "Was Sie gerade sehen, während die Phasen der Aufnahme abgespielt werden. Das Video läuft endlos ohne sichtbaren Übergang. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   tourLead:
     "Ein fließender Übergang von einer gespeicherten Voreinstellung zur nächsten: Blickpunkt, Farben und Lichter ändern sich allmählich. Die Datei enthält nur die Bilder: keinen Namen, kein Datum und keinen Hinweis darauf, von welcher Aufnahme sie stammen.",
   seconds: "Länge in Sekunden",

@@ -12,6 +12,7 @@ import { labels } from "./labels";
 import { legal } from "./legal";
 import { live } from "./live";
 import { marks } from "./marks";
+import { phases } from "./phases";
 import { presets } from "./presets";
 import { myAccount } from "./my_account";
 import { problems } from "./problems";
@@ -44,6 +45,7 @@ export const en = {
   legal,
   live,
   marks,
+  phases,
   presets,
   myAccount,
   problems,

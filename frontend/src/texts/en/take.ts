@@ -25,6 +25,7 @@ export const take = {
     turntable: "Video of a full rotation",
     around: "Video of “Show me around”",
     tour: "Video tour of saved presets",
+    phases: "Video of the phases",
   },
   picture: "Save a picture",
   pictureLead:
@@ -71,6 +72,8 @@ export const take = {
     "What you see now, rotated once about the body’s long axis. The video loops seamlessly. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
   aroundLead:
     "What you see now, in one slow turn through the views that show most of it. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
+  phasesLead:
+    "What you see now, while the phases of the scan are played. The video loops seamlessly. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
   tourLead:
     "A smooth transition from one saved preset to the next: viewpoint, colours and lights change gradually. The file contains only the pictures: no name, no date and nothing that says which scan they come from.",
   seconds: "Length in seconds",

@@ -9,6 +9,7 @@ export interface HelpDialogProps {
     readonly account: boolean;
     readonly presets: boolean;
     readonly sharing: boolean;
+    readonly phases: boolean;
   };
   /** The number of looks to choose from. */
   readonly looks: number;
@@ -29,7 +30,7 @@ export function HelpDialog({ has, looks, onClose }: HelpDialogProps) {
           </tr>
         </thead>
         <tbody>
-          {t.viewer.helpRows(looks).map(([what, mouse, touch, keys]) => (
+          {[...t.viewer.helpRows(looks), ...(has.phases ? t.phases.helpRows : [])].map(([what, mouse, touch, keys]) => (
             <tr key={what} class={touch === "" ? "no-touch" : ""}>
               <th scope="row">{what}</th>
               <td>{mouse}</td>

@@ -32,6 +32,12 @@ export function obeyCommand(command: KeyCommand, { session, page, slices, open }
     case "pause":
       session.guide.tour.pauseOrContinue();
       break;
+    case "play":
+      session.phases.toggle();
+      break;
+    case "phase":
+      session.phases.step(command.by);
+      break;
     case "preset": {
       const preset = session.editor.presets.value[command.index];
       if (preset) session.editor.applyPreset(preset);

@@ -17,7 +17,7 @@ export function useKeyCommands(obey: (command: KeyCommand) => void, active = tru
       if (!command) return;
       event.preventDefault();
       // Holding a key that switches something must not switch it back and forth.
-      if (event.repeat && (command.kind === "tour" || command.kind === "pause")) return;
+      if (event.repeat && ["tour", "pause", "play"].includes(command.kind)) return;
       latest.current(command);
     };
     addEventListener("keydown", pressed);

@@ -56,7 +56,8 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
 
 function buttonsOf(session: ViewerSession | null, own: boolean, set: DataSet | null): HelpDialogProps["has"] {
   const slices = session?.slices.available.value ?? false;
-  return { slices, account: own, presets: set !== null, sharing: set?.owned ?? false };
+  const phases = (session?.phases.phases.value.length ?? 0) > 1;
+  return { slices, account: own, presets: set !== null, sharing: set?.owned ?? false, phases };
 }
 
 export const maySaveVideos = (session: ViewerSession, role: Role): boolean =>

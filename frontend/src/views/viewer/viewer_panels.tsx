@@ -5,6 +5,7 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { CutPanel } from "../cut/cut_panel";
 import type { InPicture } from "../picture/in_picture";
 import { Hints } from "./hints";
+import { PhaseLine } from "./phase_line";
 import { OrientationCube } from "./orientation_cube";
 import { Presets } from "./presets";
 import { QualityPanel } from "./quality_panel";
@@ -34,6 +35,7 @@ export function ViewerPanels({ session, role, picture, cut, focusPicture }: View
       {cut ? null : (
         <>
           {role.presents ? <Presets session={session} /> : null}
+          <PhaseLine session={session} role={role} />
           <Settings session={session} leads={role.presents} cuts={!role.guest} picture={picture} />
           <QualityPanel session={session} />
           {role.presents && session.pictures.picture.value ? <Hints onDone={focusPicture} /> : null}

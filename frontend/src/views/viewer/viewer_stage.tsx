@@ -53,5 +53,6 @@ function pictureData(session: ViewerSession | null): Record<string, string> {
     "data-input-seq": String(facts.inputSeq),
     "data-samples": String(facts.samples),
     "data-error": String(facts.error),
+    "data-phase": String(facts.phase),
   };
 }

@@ -286,7 +286,7 @@ class FileTaken(_message.Message):
     def __init__(self, seq: _Optional[int] = ...) -> None: ...
 
 class Frame(_message.Message):
-    __slots__ = ["codec", "data", "decoder", "denoised", "encode_us", "epoch", "error", "height", "input_seq", "iteration", "key", "quality", "render_us", "seq", "stops", "width"]
+    __slots__ = ["codec", "data", "decoder", "denoised", "encode_us", "epoch", "error", "height", "input_seq", "iteration", "key", "quality", "render_us", "seq", "stops", "volume_phase", "width"]
     CODEC_FIELD_NUMBER: _ClassVar[int]
     DATA_FIELD_NUMBER: _ClassVar[int]
     DECODER_FIELD_NUMBER: _ClassVar[int]
@@ -302,6 +302,7 @@ class Frame(_message.Message):
     RENDER_US_FIELD_NUMBER: _ClassVar[int]
     SEQ_FIELD_NUMBER: _ClassVar[int]
     STOPS_FIELD_NUMBER: _ClassVar[int]
+    VOLUME_PHASE_FIELD_NUMBER: _ClassVar[int]
     WIDTH_FIELD_NUMBER: _ClassVar[int]
     codec: Codec
     data: bytes
@@ -318,8 +319,9 @@ class Frame(_message.Message):
     render_us: int
     seq: int
     stops: float
+    volume_phase: int
     width: int
-    def __init__(self, codec: _Optional[_Union[Codec, str]] = ..., key: bool = ..., epoch: _Optional[int] = ..., seq: _Optional[int] = ..., input_seq: _Optional[int] = ..., iteration: _Optional[int] = ..., error: _Optional[float] = ..., width: _Optional[int] = ..., height: _Optional[int] = ..., render_us: _Optional[int] = ..., encode_us: _Optional[int] = ..., data: _Optional[bytes] = ..., denoised: bool = ..., decoder: _Optional[str] = ..., quality: _Optional[_Union[FrameQuality, str]] = ..., stops: _Optional[float] = ...) -> None: ...
+    def __init__(self, codec: _Optional[_Union[Codec, str]] = ..., key: bool = ..., epoch: _Optional[int] = ..., seq: _Optional[int] = ..., input_seq: _Optional[int] = ..., iteration: _Optional[int] = ..., error: _Optional[float] = ..., width: _Optional[int] = ..., height: _Optional[int] = ..., render_us: _Optional[int] = ..., encode_us: _Optional[int] = ..., data: _Optional[bytes] = ..., denoised: bool = ..., decoder: _Optional[str] = ..., quality: _Optional[_Union[FrameQuality, str]] = ..., stops: _Optional[float] = ..., volume_phase: _Optional[int] = ...) -> None: ...
 
 class FreeCamera(_message.Message):
     __slots__ = ["on"]
@@ -648,7 +650,7 @@ class SceneUpdate(_message.Message):
     def __init__(self, input_seq: _Optional[int] = ..., scene: _Optional[_Union[_scene_pb2.Scene, _Mapping]] = ..., viewport: _Optional[_Union[Viewport, _Mapping]] = ..., raw: bool = ..., rest: bool = ..., effort: _Optional[_Union[Effort, _Mapping]] = ...) -> None: ...
 
 class ServerMessage(_message.Message):
-    __slots__ = ["audience", "config", "depth", "error_curve", "file_part", "file_progress", "frame", "good_views", "kernel", "labels", "look", "mark_sight", "problem", "shared", "slice", "slices_stale", "state", "stats", "still"]
+    __slots__ = ["audience", "config", "depth", "error_curve", "file_part", "file_progress", "frame", "good_views", "kernel", "labels", "look", "mark_sight", "problem", "shared", "slice", "slices_stale", "state", "stats", "still", "volume_phases"]
     AUDIENCE_FIELD_NUMBER: _ClassVar[int]
     CONFIG_FIELD_NUMBER: _ClassVar[int]
     DEPTH_FIELD_NUMBER: _ClassVar[int]
@@ -668,6 +670,7 @@ class ServerMessage(_message.Message):
     STATE_FIELD_NUMBER: _ClassVar[int]
     STATS_FIELD_NUMBER: _ClassVar[int]
     STILL_FIELD_NUMBER: _ClassVar[int]
+    VOLUME_PHASES_FIELD_NUMBER: _ClassVar[int]
     audience: Audience
     config: Config
     depth: Depth
@@ -687,7 +690,8 @@ class ServerMessage(_message.Message):
     state: State
     stats: Stats
     still: Still
-    def __init__(self, config: _Optional[_Union[Config, _Mapping]] = ..., frame: _Optional[_Union[Frame, _Mapping]] = ..., still: _Optional[_Union[Still, _Mapping]] = ..., state: _Optional[_Union[State, _Mapping]] = ..., stats: _Optional[_Union[Stats, _Mapping]] = ..., problem: _Optional[_Union[Problem, _Mapping]] = ..., audience: _Optional[_Union[Audience, _Mapping]] = ..., look: _Optional[_Union[Look, _Mapping]] = ..., depth: _Optional[_Union[Depth, _Mapping]] = ..., slice: _Optional[_Union[ExactSlice, _Mapping]] = ..., file_progress: _Optional[_Union[FileProgress, _Mapping]] = ..., file_part: _Optional[_Union[FilePart, _Mapping]] = ..., kernel: _Optional[_Union[KernelReport, _Mapping]] = ..., slices_stale: _Optional[_Union[SlicesStale, _Mapping]] = ..., error_curve: _Optional[_Union[ErrorCurve, _Mapping]] = ..., shared: _Optional[_Union[SharedState, _Mapping]] = ..., mark_sight: _Optional[_Union[MarkSight, _Mapping]] = ..., labels: _Optional[_Union[Labels, _Mapping]] = ..., good_views: _Optional[_Union[GoodViews, _Mapping]] = ...) -> None: ...
+    volume_phases: VolumePhases
+    def __init__(self, config: _Optional[_Union[Config, _Mapping]] = ..., frame: _Optional[_Union[Frame, _Mapping]] = ..., still: _Optional[_Union[Still, _Mapping]] = ..., state: _Optional[_Union[State, _Mapping]] = ..., stats: _Optional[_Union[Stats, _Mapping]] = ..., problem: _Optional[_Union[Problem, _Mapping]] = ..., audience: _Optional[_Union[Audience, _Mapping]] = ..., look: _Optional[_Union[Look, _Mapping]] = ..., depth: _Optional[_Union[Depth, _Mapping]] = ..., slice: _Optional[_Union[ExactSlice, _Mapping]] = ..., file_progress: _Optional[_Union[FileProgress, _Mapping]] = ..., file_part: _Optional[_Union[FilePart, _Mapping]] = ..., kernel: _Optional[_Union[KernelReport, _Mapping]] = ..., slices_stale: _Optional[_Union[SlicesStale, _Mapping]] = ..., error_curve: _Optional[_Union[ErrorCurve, _Mapping]] = ..., shared: _Optional[_Union[SharedState, _Mapping]] = ..., mark_sight: _Optional[_Union[MarkSight, _Mapping]] = ..., labels: _Optional[_Union[Labels, _Mapping]] = ..., good_views: _Optional[_Union[GoodViews, _Mapping]] = ..., volume_phases: _Optional[_Union[VolumePhases, _Mapping]] = ...) -> None: ...
 
 class SharedState(_message.Message):
     __slots__ = ["marks", "measurements", "pointers", "seq", "slice_view"]
@@ -887,7 +891,7 @@ class Treatment(_message.Message):
     def __init__(self, slices_per_stored: _Optional[int] = ..., has_support: bool = ...) -> None: ...
 
 class Video(_message.Message):
-    __slots__ = ["error", "frames", "frames_per_second", "height", "path", "width"]
+    __slots__ = ["error", "frames", "frames_per_second", "height", "path", "phase_cycles", "width"]
     class Path(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = []
     ERROR_FIELD_NUMBER: _ClassVar[int]
@@ -896,6 +900,8 @@ class Video(_message.Message):
     HEIGHT_FIELD_NUMBER: _ClassVar[int]
     PATH_FIELD_NUMBER: _ClassVar[int]
     PATH_UNSPECIFIED: Video.Path
+    PHASE_CYCLES_FIELD_NUMBER: _ClassVar[int]
+    STANDING: Video.Path
     TOUR: Video.Path
     TURNTABLE: Video.Path
     WIDTH_FIELD_NUMBER: _ClassVar[int]
@@ -904,8 +910,9 @@ class Video(_message.Message):
     frames_per_second: int
     height: int
     path: Video.Path
+    phase_cycles: int
     width: int
-    def __init__(self, path: _Optional[_Union[Video.Path, str]] = ..., frames: _Optional[int] = ..., frames_per_second: _Optional[int] = ..., width: _Optional[int] = ..., height: _Optional[int] = ..., error: _Optional[float] = ...) -> None: ...
+    def __init__(self, path: _Optional[_Union[Video.Path, str]] = ..., frames: _Optional[int] = ..., frames_per_second: _Optional[int] = ..., width: _Optional[int] = ..., height: _Optional[int] = ..., error: _Optional[float] = ..., phase_cycles: _Optional[int] = ...) -> None: ...
 
 class Viewport(_message.Message):
     __slots__ = ["height", "width"]
@@ -920,6 +927,14 @@ class Visibility(_message.Message):
     VISIBLE_FIELD_NUMBER: _ClassVar[int]
     visible: bool
     def __init__(self, visible: bool = ...) -> None: ...
+
+class VolumePhases(_message.Message):
+    __slots__ = ["fit", "loaded"]
+    FIT_FIELD_NUMBER: _ClassVar[int]
+    LOADED_FIELD_NUMBER: _ClassVar[int]
+    fit: bool
+    loaded: int
+    def __init__(self, loaded: _Optional[int] = ..., fit: bool = ...) -> None: ...
 
 class Codec(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = []

@@ -31,8 +31,11 @@ export function ExportDialog(props: ExportDialogProps) {
   const text = t.take;
   const [what, setWhat] = useState(first);
   // A tour goes through saved presets, which a visitor without an account does not have. Only the presenter gets views.
-  const isOffered = (kind: string) =>
-    kind === "tour" ? session.dataSetId !== null : kind !== "around" || roleOf(session.audience.value).presents;
+  const isOffered = (kind: string) => {
+    if (kind === "tour") return session.dataSetId !== null;
+    if (kind === "phases") return session.phases.phases.value.length > 1;
+    return kind !== "around" || roleOf(session.audience.value).presents;
+  };
   return (
     <Dialog title={text.title} onClose={onClose}>
       <section class="share-part" aria-labelledby="take-picture">

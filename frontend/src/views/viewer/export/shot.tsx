@@ -59,7 +59,7 @@ export function useShot(place: Place): Shot {
   const take = async (order: ExportOrder) => {
     if (taking.current) return;
     taking.current = true;
-    const isVideo = order.kind === "turntable" || order.kind === "tour";
+    const isVideo = order.kind !== "still" && order.kind !== "picture";
     setVideo(isVideo);
     setFrames(isVideo ? order.frames : 1);
     setProgress([]);

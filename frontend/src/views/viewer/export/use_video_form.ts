@@ -15,7 +15,9 @@ import {
   videoSides,
   videoSize,
   mostKeyViews,
+  typedCycles,
   typedSeconds,
+  usualCycles,
   type VideoQuality,
   type VideoSide,
   type KeyView,
@@ -23,7 +25,7 @@ import {
 
 export interface VideoFormProps {
   readonly session: ViewerSession;
-  readonly kind: "turntable" | "around" | "tour";
+  readonly kind: "turntable" | "around" | "tour" | "phases";
   readonly busy: boolean;
   readonly onExport: (order: FileOrder) => void;
 }
@@ -34,12 +36,15 @@ export interface VideoEntries {
   readonly quality: VideoQuality;
   readonly seconds: string;
   readonly rate: string;
+  /** How often the phases of the scan are played. */
+  readonly cycles: string;
   readonly views: readonly KeyView[];
   readonly withMarks: boolean;
 }
 
 interface Faults {
   readonly seconds: string;
+  readonly cycles: string;
   readonly form: string;
 }
 
@@ -48,15 +53,24 @@ const firstEntries: VideoEntries = {
   quality: "quick",
   seconds: "8",
   rate: "25",
+  cycles: "0",
   views: [],
   withMarks: true, // as on the screen
 };
-const noFaults: Faults = { seconds: "", form: "" };
+const noFaults: Faults = { seconds: "", cycles: "", form: "" };
+
+function entriesFor(kind: VideoFormProps["kind"], session: ViewerSession): VideoEntries {
+  if (kind === "around") return { ...firstEntries, seconds: "20" };
+  if (kind !== "phases") return firstEntries;
+  const { phases, rate } = session.phases;
+  const { cycles, seconds } = usualCycles(phases.value.length, rate.value);
+  return { ...firstEntries, cycles: String(cycles), seconds: String(seconds) };
+}
 
 /** The entries of the video form, their errors, and the resulting order. */
 export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
   const app = useApp();
-  const [entries, setEntries] = useState({ ...firstEntries, seconds: kind === "around" ? "20" : "8" });
+  const [entries, setEntries] = useState(() => entriesFor(kind, session));
   const [faults, setFaults] = useState(noFaults);
   const [preparing, setPreparing] = useState(false);
   const here = useIsMounted();
@@ -74,14 +88,15 @@ export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
   const submit = async () => {
     const scene = session.editor.scene.value;
     const seconds = typedSeconds(entries.seconds);
+    const cycles = typedCycles(entries.cycles, fewestCycles(kind), mostCyclesOf(seconds, entries.rate));
     const chosen = entries.views.filter((view) => view.taken);
-    setFaults(scene ? entryFaults(kind, seconds, chosen) : noFaults);
-    if (!scene || seconds === null || hasWrongViews(kind, chosen)) return;
+    setFaults(scene ? entryFaults(kind, seconds, cycles, chosen, entries.rate) : noFaults);
+    if (!scene || seconds === null || cycles === null || hasWrongViews(kind, chosen)) return;
     setPreparing(true);
     try {
       const keys = await keysOf(scene, chosen);
       if (!keys) {
-        setFaults({ seconds: "", form: t.settings.view[session.guide.tour.fault.value ?? "unanswered"] });
+        setFaults({ ...noFaults, form: t.settings.view[session.guide.tour.fault.value ?? "unanswered"] });
         setPreparing(false);
         return;
       }
@@ -91,17 +106,18 @@ export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
       if (here.current)
         onExport(
           videoOrder({
-            kind: kind === "turntable" ? kind : "tour",
+            kind: kind === "around" ? "tour" : kind,
             keys,
             size,
             seconds,
             rate: Number(entries.rate),
+            cycles,
             error,
             marks,
           }),
         );
     } catch (thrown) {
-      setFaults({ seconds: "", form: app.explain(thrown) });
+      setFaults({ ...noFaults, form: app.explain(thrown) });
     }
     setPreparing(false);
   };
@@ -112,9 +128,22 @@ export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
 const hasWrongViews = (kind: VideoFormProps["kind"], chosen: readonly KeyView[]): boolean =>
   kind === "tour" && (chosen.length < 2 || chosen.length > mostKeyViews);
 
-function entryFaults(kind: VideoFormProps["kind"], seconds: number | null, chosen: readonly KeyView[]): Faults {
-  if (seconds === null) return { seconds: t.take.wrongSeconds(longestVideoS), form: "" };
-  return hasWrongViews(kind, chosen) ? { seconds: "", form: t.take.wrongViews(mostKeyViews) } : noFaults;
+/** A video whose camera stands still must play the phases. */
+const fewestCycles = (kind: VideoFormProps["kind"]): number => (kind === "phases" ? 1 : 0);
+/** A video needs at least one frame per cycle. */
+const mostCyclesOf = (seconds: number | null, rate: string): number => (seconds ?? longestVideoS) * Number(rate);
+
+function entryFaults(
+  kind: VideoFormProps["kind"],
+  seconds: number | null,
+  cycles: number | null,
+  chosen: readonly KeyView[],
+  rate: string,
+): Faults {
+  if (seconds === null) return { ...noFaults, seconds: t.take.wrongSeconds(longestVideoS) };
+  if (cycles === null)
+    return { ...noFaults, cycles: t.phases.wrongCycles(fewestCycles(kind), mostCyclesOf(seconds, rate)) };
+  return hasWrongViews(kind, chosen) ? { ...noFaults, form: t.take.wrongViews(mostKeyViews) } : noFaults;
 }
 
 /**

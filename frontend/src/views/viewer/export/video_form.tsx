@@ -26,8 +26,8 @@ export function VideoForm(props: VideoFormProps) {
   const form = useRef<HTMLFormElement>(null);
   // A screen reader announces the error when its field has the focus, so the focus moves once the error is on the page.
   useEffect(() => {
-    if (faults.seconds) form.current?.querySelector<HTMLElement>("[aria-invalid]")?.focus();
-  }, [faults.seconds]);
+    if (faults.seconds || faults.cycles) form.current?.querySelector<HTMLElement>("[aria-invalid]")?.focus();
+  }, [faults.seconds, faults.cycles]);
   return (
     <TakeForm form={form} onSubmit={() => void submit()}>
       <p class="muted">{text[`${kind}Lead`]}</p>
@@ -55,6 +55,17 @@ export function VideoForm(props: VideoFormProps) {
           onChoose={(rate) => set({ rate })}
         />
       </div>
+      {session.phases.phases.value.length > 1 ? (
+        <Field
+          label={t.phases.cycles}
+          value={entries.cycles}
+          onInput={(cycles) => correct({ cycles })}
+          digits
+          most={4}
+          {...(kind === "phases" ? {} : { hint: t.phases.cyclesHint })}
+          {...faulty(faults.cycles)}
+        />
+      ) : null}
       <SizeAndQuality session={session} entries={entries} set={set} />
       <DrawMarks video session={session} on={entries.withMarks} change={(withMarks) => set({ withMarks })} />
       <FaultOrHint fault={faults.form} entries={entries} session={session} />

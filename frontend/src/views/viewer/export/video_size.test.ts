@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { someScene } from "../../../scene/testing";
-import { renderingSeconds, videoOrder, videoSize, typedSeconds } from "./video_size";
+import { renderingSeconds, videoOrder, videoSize, typedCycles, typedSeconds, usualCycles } from "./video_size";
 
 test("a video has the aspect ratio of the screen and even sides within the limits", () => {
   expect(videoSize({ width: 1024, height: 768 }, 1280)).toEqual({ width: 1280, height: 960 });
@@ -48,8 +48,28 @@ test("the number of frames is the length times the frame rate", () => {
     size: { width: 640, height: 480 },
     seconds: 8,
     rate: 25,
+    cycles: 3,
     error: 0.05,
     marks: { unit: 1, items: [] },
   });
-  expect(order).toMatchObject({ kind: "turntable", frames: 200, framesPerSecond: 25 });
+  expect(order).toMatchObject({ kind: "turntable", frames: 200, framesPerSecond: 25, phaseCycles: 3 });
+});
+
+test("a video of the phases plays a heartbeat per second, for about four seconds", () => {
+  expect(usualCycles(20, 20)).toEqual({ cycles: 4, seconds: 4 });
+  expect(usualCycles(40, 10)).toEqual({ cycles: 1, seconds: 4 });
+  expect(usualCycles(1000, 1)).toEqual({ cycles: 1, seconds: 60 });
+});
+
+test("the number of cycles is a whole number from the least to the number of frames", () => {
+  expect(["0", "1", "50", "51", "1.5", "-1", ""].map((text) => typedCycles(text, 1, 50))).toEqual([
+    null,
+    1,
+    50,
+    null,
+    null,
+    null,
+    null,
+  ]);
+  expect(typedCycles("0", 0, 50)).toBe(0);
 });

@@ -77,21 +77,38 @@ export function renderingSeconds(
 }
 
 export interface VideoChoices {
-  readonly kind: "turntable" | "tour";
+  readonly kind: "turntable" | "tour" | "phases";
   readonly keys: readonly Scene[];
   readonly size: Viewport;
   readonly seconds: number;
   readonly rate: number;
+  /** How often all phases of the scan are played. */
+  readonly cycles: number;
   readonly error: number;
   readonly marks: FileMarks;
 }
 
-export const videoOrder = ({ kind, keys, size, seconds, rate, error, marks }: VideoChoices): FileOrder => ({
+export const videoOrder = ({ kind, keys, size, seconds, rate, cycles, error, marks }: VideoChoices): FileOrder => ({
   kind,
   keys,
   size,
   frames: seconds * rate,
   framesPerSecond: rate,
+  phaseCycles: cycles,
   error,
   marks,
 });
+
+/** Parses how often the phases are played. Returns null if it is out of bounds. */
+export function typedCycles(text: string, least: number, frames: number): number | null {
+  const cycles = /^\d{1,4}$/.test(text.trim()) ? Number(text) : -1;
+  return cycles >= least && cycles <= frames ? cycles : null;
+}
+
+const usualVideoSeconds = 4;
+
+/** Returns how often a video of the phases plays `count` phases at first, and how long it takes, in whole seconds. */
+export function usualCycles(count: number, perSecond: number): { readonly cycles: number; readonly seconds: number } {
+  const cycles = Math.max(1, Math.round((usualVideoSeconds * perSecond) / count));
+  return { cycles, seconds: Math.min(longestVideoS, Math.max(1, Math.round((cycles * count) / perSecond))) };
+}
