@@ -240,7 +240,7 @@ std::shared_ptr<const PreparedTransfer> TransferCache::get(
     const diaphane::v1::TransferFunction& function, const ValueGrid& grid, Int3 size,
     Float3 spacing) {
   // Enough for two sessions with different looks.
-  constexpr std::size_t kMostBaked = 2;
+  constexpr std::size_t kBakedKept = 2;
   const std::string key = function.SerializeAsString();
   {
     const std::lock_guard lock(mutex_);
@@ -251,7 +251,7 @@ std::shared_ptr<const PreparedTransfer> TransferCache::get(
   auto transfer =
       std::make_shared<const PreparedTransfer>(prepare_transfer(function, grid, size, spacing));
   const std::lock_guard lock(mutex_);
-  if (baked_.size() >= kMostBaked) baked_.erase(baked_.begin());
+  if (baked_.size() >= kBakedKept) baked_.erase(baked_.begin());
   baked_.push_back({key, transfer});
   return transfer;
 }
