@@ -55,16 +55,18 @@ def test_tilted_slices_show_trilinear_values_and_can_be_measured(stack: TestStac
     pixels = sagittal.per_mm(box)
     random = np.random.default_rng(3)
     differences = []
-    for _ in range(12):
+    while len(differences) < 12:
         x, y = (int(random.integers(int(0.35 * side), int(0.65 * side))) for side in (box["width"], box["height"]))
+        exact = np.array([(x - box["width"] / 2) / (step * pixels), (y - box["height"] / 2) / (step * pixels)])
+        column, row = np.round(exact)
+        if np.abs(exact - (column, row)).max() > 0.3:
+            continue  # near the border of a pixel, where the browser's rounding of the pointer decides
         page.mouse.move(box["x"] + x, box["y"] + y)
         text = reader.pane("sagittal").locator(".slice-value")
         expect(text).to_have_text(re.compile(r"HU, interpolated$"))
         got = int(text.text_content().split()[0].replace("−", "-"))
-        column, row = (round((at_ - side / 2) / (step * pixels)) for at_, side in ((x, box["width"]), (y, box["height"])))
         differences.append(abs(got - interpolated(axial, spacing, column * step * right + row * step * down + offset * normal)))
-    # The value is rounded. A pointer between two pixels may be rounded to either.
-    assert sum(one > 0.5 + 1e-3 for one in differences) <= 1, differences
+    assert max(differences) <= 0.5 + 1e-3, differences  # the value is rounded
     page.screenshot(path=pictures / "oblique.png")
 
     # By mouse: a quarter of a turn around the crosshair in the coronal view.
@@ -121,11 +123,11 @@ def test_distances_and_angles_are_measured_in_the_picture_by_mouse_and_keys(stac
     expect(ruler).to_have_text(re.compile(r"^[1-9]\d*\.\d mm$"))
     # By keys: three points from the middle of the picture.
     window(page).get_by_role("button", name="Angle", exact=True).click()
-    for key in ("Enter", "Shift+ArrowUp", "Enter", "Shift+ArrowRight", "Enter"):
-        page.keyboard.press(key)
-        if key == "Enter" and page.locator(".mark-maker").count():
-            expect(page.locator(".mark-message")).to_be_visible()
-            page.wait_for_timeout(500)
+    for point, move in ((2, "Shift+ArrowUp"), (3, "Shift+ArrowRight")):
+        page.keyboard.press("Enter")
+        expect(page.locator(".mark-message")).to_have_text(f"Now press point {point} of 3.")
+        page.keyboard.press(move)
+    page.keyboard.press("Enter")
     expect(page.locator(MARKS + "[data-kind=angle] text")).to_have_text(re.compile(r"^[1-9]\d*\.\d°$"))
     page.screenshot(path=pictures / "measured-in-3d.png")
     check_page(page)
