@@ -134,13 +134,38 @@ def test_a_nifti_file_gets_a_new_header(tmp_path, suffix):
     assert np.array_equal(read.get_fdata(), nibabel.load(tmp_path / f"scan{suffix}").get_fdata()[..., 0])
 
 
+@pytest.mark.parametrize("unit, step", [("sec", 2000), ("msec", 2), ("unknown", 0)])
+def test_a_nifti_file_keeps_its_phases_and_the_time_between_them(tmp_path, unit, step):
+    image = nibabel.Nifti1Image(np.arange(120, dtype=np.int16).reshape(2, 3, 4, 5), np.eye(4))
+    image.header.set_zooms((1, 1, 1, 2))
+    image.header.set_xyzt_units("mm", unit)
+    nibabel.save(image, tmp_path / "scan.nii")
+    (tmp_path / "clean.nii").write_bytes(*clean_files(tmp_path / "scan.nii"))
+    read = nibabel.load(tmp_path / "clean.nii")
+    assert np.array_equal(np.asarray(read.dataobj), np.asarray(image.dataobj))
+    assert read.header["pixdim"][4] == step and read.header.get_xyzt_units() == ("mm", "msec" if step else "unknown")
+
+
+def test_what_tells_phases_apart_is_kept_in_its_form_alone():
+    made = slice_of()
+    made.add_new(0x00209128, "UL", 3)
+    made.add_new(0x00209241, "FL", 12.5)
+    made.add_new(0x00189087, "FD", 1000.0)
+    made.AcquisitionTime = "101112"
+    read = pydicom.dcmread(io.BytesIO(clean_dicom(made, 1)))
+    assert (read[0x00209128].value, read[0x00209241].value, read[0x00189087].value) == (3, 12.5, 1000)
+    assert "AcquisitionTime" not in read
+    made[0x00209128].VR, made[0x00209128].value = "LO", CANARY
+    assert 0x00209128 not in pydicom.dcmread(io.BytesIO(clean_dicom(made, 1)))
+
+
 def test_a_broken_nifti_file_is_explained(tmp_path):
     (tmp_path / "a.nii").write_bytes(b"nothing")
     with pytest.raises(UnreadableFile, match="a.nii"):
         clean_files(tmp_path / "a.nii")
-    nibabel.save(nibabel.Nifti1Image(np.zeros((2, 2, 2, 5), np.int16), np.eye(4)), tmp_path / "phases.nii")
-    with pytest.raises(UnreadableFile, match="one volume"):
-        clean_files(tmp_path / "phases.nii")
+    nibabel.save(nibabel.Nifti1Image(np.zeros((2, 2, 2, 5, 3), np.int16), np.eye(4)), tmp_path / "vectors.nii")
+    with pytest.raises(UnreadableFile, match="single numbers"):
+        clean_files(tmp_path / "vectors.nii")
 
 
 def test_the_bundle_is_the_one_of_the_page():

@@ -33,9 +33,14 @@ KEPT_TAGS: dict[int, str] = {
     0x00080008: "image_type",
     0x00080016: "class",
     0x00080060: "modality",
-    **dict.fromkeys((0x00180050, 0x00180081, 0x00180086, 0x00181060, 0x00189087, 0x00200012, 0x00200013, 0x00200032, 0x00200037), "number"),
+    **dict.fromkeys((0x00180050, 0x00180081, 0x00180086, 0x00181060, 0x00189082, 0x00189087, 0x00200012), "number"),
+    **dict.fromkeys((0x00200013, 0x00200032, 0x00200037), "number"),
     0x00200052: "frame",
     0x00200100: "number",
+    0x00209128: "count",
+    0x00209153: "number",
+    0x00209241: "float",
+    0x0020930D: "number",
     0x00280002: "us",
     0x00280004: "photometric",
     0x00280006: "us",
@@ -54,7 +59,11 @@ IMAGE_WORDS = frozenset((
 ))
 #: The elements of each functional group of an enhanced file that may be sent.
 GROUPED_TAGS: dict[int, tuple[int, ...]] = {
-    0x00209111: (0x00209056,),
+    0x00189114: (0x00189082,),
+    0x00189117: (0x00189087,),
+    0x00189118: (0x00209153, 0x00209241),
+    0x00209111: (0x00209056, 0x00209128),
+    0x00209310: (0x0020930D,),
     0x00209113: (0x00200032,),
     0x00209116: (0x00200037,),
     0x00289110: (0x00280030,),
@@ -65,6 +74,7 @@ GROUPED_TAGS: dict[int, tuple[int, ...]] = {
     0x00189751: (0x00089007,),
 }
 _SHARED, _PER_FRAME, _PIXELS = 0x52009229, 0x52009230, 0x7FE00010
+_VR = {"count": "UL", "float": "FL", "offsets": "OV"}
 _FORMS: dict[str, tuple[str, str]] = {
     "modality": ("CS", r"(CT|MR|PT)"),
     "photometric": ("CS", r"MONOCHROME[12]"),
@@ -89,8 +99,8 @@ def kept_element(element: DataElement) -> DataElement | None:
     text = "\\".join(map(str, element.value)) if element.VM > 1 else str(element.value)
     if form == "us":
         return element if element.VR in ("US", "SS") and element.VM == 1 else None
-    if form == "offsets":
-        return element if element.VR == "OV" else None
+    if form in _VR:
+        return element if str(element.VR) == _VR[form] and (element.VM == 1 or form == "offsets") else None
     if form == "number":
         return element if element.VR in ("FD", "FL") or (element.VR in ("DS", "IS") and re.fullmatch(r"[-+0-9.eE \\]*", text)) else None
     if form == "image_type":
@@ -208,19 +218,23 @@ def clean_nifti(path: Path) -> bytes:
     while voxels.ndim > 3 and voxels.shape[-1] == 1:
         voxels = voxels[..., 0]
     kind = voxels.dtype.newbyteorder("=").name
-    if voxels.ndim != 3 or kind not in _NIFTI_TYPES:
-        raise UnreadableFile(f"{path.name} must contain one volume of single numbers")
+    if voxels.ndim not in (3, 4) or kind not in _NIFTI_TYPES:
+        raise UnreadableFile(f"{path.name} must contain volumes of single numbers")
     has_axes = int(image.header["sform_code"]) > 0 or int(image.header["qform_code"]) > 0
     spacing = [float(one) for one in image.header.get_zooms()[:3]]
     header = bytearray(352)
     struct.pack_into("<i", header, 0, 348)
-    struct.pack_into("<8h", header, 40, 3, *voxels.shape, 1, 1, 1, 1)
+    struct.pack_into("<8h", header, 40, voxels.ndim, *voxels.shape, *[1] * (7 - voxels.ndim))
     struct.pack_into("<2h", header, 70, _NIFTI_TYPES[kind], 8 * voxels.dtype.itemsize)
     struct.pack_into("<3f", header, 108, 352, slope, intercept)
     # Units that are not stated are mm, in most files.
-    units = {1: 1000.0, 3: 0.001}.get(int(image.header["xyzt_units"]) & 7, 1.0)
-    struct.pack_into("<4f", header, 76, 1, *(one * units for one in spacing))
-    header[123] = 2
+    stated = int(image.header["xyzt_units"])
+    units = {1: 1000.0, 3: 0.001}.get(stated & 7, 1.0)
+    ms = {8: 1000.0, 16: 1.0, 24: 0.001}.get(stated & 0x38)
+    is_timed = voxels.ndim == 4 and ms is not None
+    step = float(image.header.get_zooms()[3]) * (ms or 0) if is_timed else 0
+    struct.pack_into("<5f", header, 76, 1, *(one * units for one in spacing), step)
+    header[123] = 2 | (16 if is_timed else 0)  # mm and ms
     if has_axes:
         struct.pack_into("<h", header, 254, 1)
         struct.pack_into("<12f", header, 280, *(float(one) * units for one in np.asarray(image.affine)[:3].ravel()))
