@@ -25,7 +25,7 @@ export const slices: Texts["slices"] = {
     window: "Ziehen Sie seitwärts, um den Kontrast zu ändern, und auf oder ab, um die Helligkeit zu ändern.",
     crosshair:
       "Ziehen, klicken oder tippen Sie, um alle drei Schichten durch diese Stelle zu legen. Mit der Maus geht das jederzeit auch, wenn Sie die Umschalttaste halten und den Zeiger bewegen.",
-    tilt: "Ziehen Sie um das Fadenkreuz herum, um die anderen beiden Ebenen zu drehen. Mit der Tastatur drehen Komma und Punkt sie.",
+    tilt: "Zeigt auch die Dicke von Schichten. Ziehen Sie um das Fadenkreuz herum, um die anderen beiden Ebenen zu drehen. Mit der Tastatur drehen Komma und Punkt sie.",
     ruler:
       "Ziehen Sie von einem Punkt zum anderen, oder klicken oder tippen Sie beide an. Ziehen Sie ein Ende, um es zu verschieben. Mit der Tastatur setzt die Eingabetaste einen Punkt am Fadenkreuz oder nimmt den Punkt dort auf.",
     angle:

@@ -18,7 +18,7 @@ export const slices = {
     window: "Drag sideways to change the contrast, and up or down to change the brightness.",
     crosshair:
       "Drag, click or tap to move all three slices to that point. With a mouse, you can also hold Shift and move the pointer at any time.",
-    tilt: "Drag around the crosshair to turn the other two planes. With the keyboard, the comma and the full stop turn them.",
+    tilt: "Shows the thickness of slabs, too. Drag around the crosshair to turn the other two planes. With the keyboard, the comma and the full stop turn them.",
     ruler:
       "Drag from one point to another, or click or tap both. Drag an end to move it. With the keyboard, Enter sets a point at the crosshair, or picks up the point there.",
     angle:

@@ -4,9 +4,13 @@ import { t } from "../../../texts";
 import { IconButton } from "../../icon_button";
 import { Typed } from "./typed";
 
-/** The thickness of the slices, and the way back from tilted ones. */
+/**
+ * The thickness of the slices, and the way back from tilted ones. Shown with the tool for tilting,
+ * and while anything differs from usual, because the toolbar has no room for it on its first line.
+ */
 export function ObliqueControls({ slices }: { readonly slices: Slices }) {
   const slab = slices.slab.value;
+  if (slices.tool.value !== "tilt" && slab.mm === 0 && !slices.tilt.value) return null;
   return (
     <div class="slice-window" role="group" aria-label={t.slices.oblique}>
       <Typed
