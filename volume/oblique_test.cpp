@@ -63,10 +63,10 @@ ObliqueSlice tilted(std::uint32_t side = 5, double mm = 0.5) {
 }
 
 Vector place_of(const ObliqueSlice& slice, std::size_t pixel) {
-  const double column = double(pixel % slice.columns), row = double(pixel / slice.columns);
+  const std::size_t column = pixel % slice.columns, row = pixel / slice.columns;
   Vector place{};
   for (std::size_t k = 0; k < 3; ++k) {
-    place[k] = slice.first[k] + column * slice.right[k] + row * slice.down[k];
+    place[k] = slice.first[k] + double(column) * slice.right[k] + double(row) * slice.down[k];
   }
   return place;
 }
