@@ -218,12 +218,11 @@ struct Phantom {
 std::array<double, 3> place_of(const volume::Volume& v, std::int16_t value) {
   const auto found = std::find(v.voxels.begin(), v.voxels.end(), value) - v.voxels.begin();
   const std::ptrdiff_t x = v.header.size[0], y = v.header.size[1];
-  const std::array<double, 3> at{static_cast<double>(found % x), static_cast<double>(found / x % y),
-                                 static_cast<double>(found / (x * y))};
+  const std::array<std::ptrdiff_t, 3> at{found % x, found / x % y, found / (x * y)};
   std::array<double, 3> place{};
   for (std::size_t row = 0; row < 3; ++row)
     for (std::size_t axis = 0; axis < 3; ++axis)
-      place[row] += v.header.direction[3 * row + axis] * v.header.spacing[axis] * at[axis];
+      place[row] += v.header.direction[3 * row + axis] * v.header.spacing[axis] * double(at[axis]);
   return place;
 }
 
