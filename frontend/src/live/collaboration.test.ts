@@ -15,18 +15,8 @@ import {
   type ClientMessage,
 } from "../protocol/gen/api/proto/stream_pb";
 import { Slices } from "../slices/model";
-import { axial, coronal, sagittal } from "../slices/testing";
+import { axial, coronal, header, sagittal } from "../slices/testing";
 import { Collaboration, pointerForMs, sharedEveryMs } from "./collaboration";
-
-const header = {
-  contentHash: "a",
-  windowCenter: 40,
-  windowWidth: 400,
-  minimum: 0,
-  maximum: 9,
-  percentiles: [],
-  spacing: [1, 2, 3],
-};
 
 /** `presenter` and `you` are "owner" or "guest". */
 function audienceOf(you: string, presenter: string, change: Partial<Audience> = {}): Audience {

@@ -7,17 +7,7 @@ import { slicesFromText, slicesToText } from "./memory";
 import { Slices } from "./model";
 import type { WantedSlice } from "./store";
 import { placeOf } from "./stack";
-import { axial, coronal, sagittal } from "./testing";
-
-const header = {
-  contentHash: "a",
-  windowCenter: 40,
-  windowWidth: 400,
-  minimum: 0,
-  maximum: 9,
-  percentiles: [],
-  spacing: [1, 2, 3],
-};
+import { axial, coronal, header, sagittal } from "./testing";
 
 describe("the slices of a scan", () => {
   let asked: (readonly WantedSlice[])[] = [];

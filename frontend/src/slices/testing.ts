@@ -32,3 +32,14 @@ export const sagittal: Stack = {
   down: vec3(0, 0, -3),
   next: vec3(1, 0, 0),
 };
+
+/** What the slices read of the header of the volume with these stacks. */
+export const header = {
+  contentHash: "a",
+  windowCenter: 40,
+  windowWidth: 400,
+  minimum: 0,
+  maximum: 9,
+  percentiles: [],
+  spacing: [1, 2, 3],
+};
