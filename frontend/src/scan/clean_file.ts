@@ -187,8 +187,8 @@ export function groupedElement(group: string, tag: string, bytes: Uint8Array): G
   return kept && { ...kept, tag, group };
 }
 
-const bigEndian = "1.2.840.10008.1.2.2";
-const implicitLittle = "1.2.840.10008.1.2";
+export const bigEndian = "1.2.840.10008.1.2.2";
+export const implicitLittle = "1.2.840.10008.1.2";
 
 /** Returns the slice with TemporalPositionIdentifier, or TemporalPositionIndex in an enhanced file. */
 export function withTemporalPosition(slice: SliceHeader, position: number): SliceHeader {

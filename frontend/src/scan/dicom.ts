@@ -1,7 +1,7 @@
 import dicomParser, { type DataSet } from "dicom-parser";
 import type { ArchiveFormat } from "./archives";
 import type { ImageHeader } from "./image/header";
-import { keptElement, wantedTags } from "./clean_file";
+import { bigEndian, implicitLittle, keptElement, wantedTags } from "./clean_file";
 import { bytesOf, framesOf } from "./frames";
 import type { SliceHeader } from "./types";
 
@@ -17,8 +17,6 @@ export type HeaderRead =
   | { readonly kind: "unreadable" };
 
 const explicitLittle = "1.2.840.10008.1.2.1";
-const implicitLittle = "1.2.840.10008.1.2";
-const bigEndian = "1.2.840.10008.1.2.2";
 const deflatedLittle = "1.2.840.10008.1.2.1.99";
 const pixelData = "x7fe00010";
 const mediaDirectory = "1.2.840.10008.1.3.10";

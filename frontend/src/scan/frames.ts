@@ -1,5 +1,5 @@
 import type { DataSet } from "dicom-parser";
-import { groupedElement, groupedTags } from "./clean_file";
+import { bigEndian, groupedElement, groupedTags } from "./clean_file";
 import type { GroupedElement, SliceHeader } from "./types";
 
 /** Reads the functional groups of an enhanced file (DICOM PS3.3, C.7.6.16), which give the position of each frame. */
@@ -8,7 +8,6 @@ const sharedGroups = "x52009229";
 const frameGroups = "x52009230";
 const enhanced = new Set(["2.1", "2.2", "4.1", "4.4", "128.1", "130"].map((leaf) => `1.2.840.10008.5.1.4.1.1.${leaf}`));
 const mostFrames = 20_000;
-const bigEndian = "1.2.840.10008.1.2.2";
 
 /**
  * Returns one header per frame. A file of another kind, or without positions of its frames, keeps its single header.
