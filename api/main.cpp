@@ -19,6 +19,7 @@
 #include "api/http/listener.h"
 #include "api/http/request_metrics.h"
 #include "api/mail/transport.h"
+#include "api/pacs/routes.h"
 #include "api/presets/routes.h"
 #include "api/privacy/routes.h"
 #include "api/scans/routes.h"
@@ -90,7 +91,7 @@ Result<std::unique_ptr<service::AdminServer>> start_admin(const Settings& settin
 }
 
 void add_routes(RequestRouter& router, Services& services, const Clock& clock) {
-  auto& [account, data_set, session, privacy, shared, picture, study] = services;
+  auto& [account, data_set, session, privacy, shared, picture, study, archive] = services;
   router.add(account_routes(account.accounts, session.render_time, router));
   router.add(account_change_routes(account.changes, router));
   router.add(second_factor_routes(account.second_factors));
@@ -100,19 +101,21 @@ void add_routes(RequestRouter& router, Services& services, const Clock& clock) {
   router.add(data_set_routes(data_set.data_sets, picture.thumbnails));
   router.add(scan_export_routes(data_set.exports));
   router.add(upload_routes(data_set.uploads, data_set.data_sets));
+  router.add(alignment_routes(data_set.alignments));
   router.add(session_routes(session.sessions));
   router.add(live_routes(shared.live_links, router));
   router.add(recording_routes(shared.recordings));
   router.add(sharing_routes(shared.sharing, router));
   router.add(anonymise_routes(picture.anonymise));
   router.add(label_routes(picture.labels));
-  router.add(visit_routes(shared.visits));
+  router.add(visit_routes(shared.visits, picture.thumbnails));
   router.add(environment_routes(shared.environments));
   router.add(annotation_routes(shared.annotations, shared.visits));
   router.add(preset_routes(shared.presets, picture.preset_pictures));
   router.add(report_routes(shared.reports));
   router.add(study_routes(study.studies, study.participations, clock));
   router.add(participant_routes(study.participations));
+  router.add(archive_routes(archive.archives, account.accounts));
 }
 
 int serve(const Settings& settings, service::StopSignal& stop) {

@@ -42,14 +42,24 @@ DataSetServices::DataSetServices(const Backends& on)
       uploads(on.stores.data_sets, files, on.clock, on.signals, on.settings.data_sets.upload_life,
               on.settings.data_sets.reserve_bytes / 2),
       export_store(on.stores.database),
-      exports(data_sets, export_store, on.clock, on.signals, on.settings.export_total_bytes) {}
+      exports(data_sets, export_store, on.clock, on.signals, on.settings.export_total_bytes),
+      alignment_store(on.stores.database),
+      alignments(data_sets, alignment_store, on.clock,
+                 [&settings = on.settings](const std::string& id) {
+                   return volume::read_header(settings.volume_dir + "/" + id);
+                 }) {}
 
-SessionServices::SessionServices(const Backends& on, DataSets& data_sets)
+SessionServices::SessionServices(const Backends& on, DataSetServices& scans)
     : render_time(on.stores.render_time, on.placed, on.placed, on.clock),
       preset_store(on.stores.database),
       error_curves(on.placed, on.settings.tls),
-      sessions(data_sets, on.placed, render_time, error_curves,
-               [this](const std::string& data_set) { return first_scene(data_set); }),
+      sessions(
+          scans.data_sets, on.placed, render_time, error_curves,
+          [this](const std::string& data_set) { return first_scene(data_set); },
+          [&alignments = scans.alignments](const Principal& who, const std::string& first,
+                                           const std::string& second) {
+            return alignments.motion(who, first, second);
+          }),
       administration(on.stores.administration, on.placed, on.placed, on.clock) {}
 
 /// Returns the scene of the owner's default preset in serialised form. If there is none or it is
@@ -116,14 +126,20 @@ StudyServices::StudyServices(const Backends& on, DataSets& data_sets, RenderTime
                       on.placed, on.clock},
                      {}, scene_bytes) {}
 
+ArchiveServices::ArchiveServices(const Backends& on)
+    : store(on.stores.database),
+      gateway(on.settings.archive_url, on.settings.archive_key),
+      archives(gateway, store, on.settings.factor_key.value(), on.clock) {}
+
 Services::Services(const Backends& on)
     : account(on),
       data_set(on),
-      session(on, data_set.data_sets),
+      session(on, data_set),
       privacy(on, account.accounts),
       shared(on, data_set.data_sets, session),
       picture(on, data_set.data_sets, shared.presets, session.preset_store),
-      study(on, data_set.data_sets, session.render_time) {}
+      study(on, data_set.data_sets, session.render_time),
+      archive(on) {}
 
 std::string export_directory(const Settings& settings) { return settings.cache_dir + "/exports"; }
 

@@ -17,6 +17,9 @@
 #include "api/environments/environment_repository.h"
 #include "api/environments/environments.h"
 #include "api/environments/panorama_child.h"
+#include "api/pacs/archive_repository.h"
+#include "api/pacs/archives.h"
+#include "api/pacs/gateway_client.h"
 #include "api/presets/preset_pictures.h"
 #include "api/presets/preset_repository.h"
 #include "api/presets/presets.h"
@@ -25,6 +28,8 @@
 #include "api/privacy/account_deletion.h"
 #include "api/privacy/exports.h"
 #include "api/privacy/privacy_repository.h"
+#include "api/scans/alignment_repository.h"
+#include "api/scans/alignments.h"
 #include "api/scans/anonymise.h"
 #include "api/scans/anonymise_repository.h"
 #include "api/scans/data_set_repository.h"
@@ -107,10 +112,12 @@ struct DataSetServices {
   Uploads uploads;
   ScanExportRepository export_store;
   ScanExports exports;
+  AlignmentRepository alignment_store;
+  Alignments alignments;
 };
 
 struct SessionServices {
-  SessionServices(const Backends& on, DataSets& data_sets);
+  SessionServices(const Backends& on, DataSetServices& scans);
   SessionServices(const SessionServices&) = delete;
   std::string first_scene(const std::string& data_set);
 
@@ -179,6 +186,16 @@ struct StudyServices {
   Participations participations;
 };
 
+/// The hospital's archives.
+struct ArchiveServices {
+  explicit ArchiveServices(const Backends& on);
+  ArchiveServices(const ArchiveServices&) = delete;
+
+  ArchiveRepository store;
+  GatewayClient gateway;
+  Archives archives;
+};
+
 struct Services {
   explicit Services(const Backends& on);
 
@@ -189,6 +206,7 @@ struct Services {
   SharedServices shared;
   PictureServices picture;
   StudyServices study;
+  ArchiveServices archive;
 };
 
 /// The directory of finished exports, which the reverse proxy sends.

@@ -71,28 +71,50 @@ void read_limits(ConfigReader& in, Settings& s) {
       << 20;
 }
 
-void read_analysis(ConfigReader& in, Settings& s) {
-  s.study_analysis_url = in.text(
+/// Returns the origin of an optional service.
+std::string checked_origin(ConfigReader& in, const std::string& name, std::string url) {
+  const bool origin = url.starts_with("http://") || url.starts_with("https://");
+  if (!url.empty() && (!origin || url.ends_with('/'))) {
+    in.mistake("--" + name + ": must be an origin without a path, such as http://host:port");
+  }
+  return url;
+}
+
+/// Returns the secret in the file, or an empty string without one.
+std::string read_secret(ConfigReader& in, const std::string& name, const std::string& path) {
+  std::string secret;
+  if (path.empty()) return secret;
+  std::ifstream file(path);
+  if (!(file >> secret) || secret.size() < 32) {
+    in.mistake("--" + name + ": the file does not exist or has fewer than 32 characters");
+  }
+  return secret;
+}
+
+void read_optional_services(ConfigReader& in, Settings& s) {
+  const std::string analysis = in.text(
       "study-analysis-url",
       "origin of the service that analyses studies, such as http://127.0.0.1:8090; empty if "
       "it is not installed",
       "");
-  const bool origin =
-      s.study_analysis_url.starts_with("http://") || s.study_analysis_url.starts_with("https://");
-  if (!s.study_analysis_url.empty() && (!origin || s.study_analysis_url.ends_with('/'))) {
-    in.mistake("--study-analysis-url: must be an origin without a path, such as http://host:port");
+  s.study_analysis_url = checked_origin(in, "study-analysis-url", analysis);
+  const std::string archives = in.text("archive-url",
+                                       "origin of the PACS gateway, such as http://127.0.0.1:8096; "
+                                       "empty if it is not installed",
+                                       "");
+  s.archive_url = checked_origin(in, "archive-url", archives);
+  const std::string key =
+      in.text("archive-key", "file with the secret that api and the PACS gateway share", "");
+  s.archive_key = read_secret(in, "archive-key", key);
+  if (!s.archive_url.empty() && s.archive_key.empty()) {
+    in.mistake("--archive-key: the PACS gateway needs a secret");
   }
 }
 
 void read_secrets(ConfigReader& in, Settings& s) {
   const std::string token_file =
       in.text("sample-token", "file with the token that allows uploading the public sample", "");
-  if (!token_file.empty()) {
-    std::ifstream file(token_file);
-    if (!(file >> s.sample_token) || s.sample_token.size() < 32) {
-      in.mistake("--sample-token: the file does not exist or has fewer than 32 characters");
-    }
-  }
+  s.sample_token = read_secret(in, "sample-token", token_file);
   const std::string key_file = in.text(
       "factor-key", "file with the 64 hexadecimal digits of the key that encrypts TOTP secrets");
   if (auto key = SealingKey::read(key_file)) {
@@ -122,7 +144,7 @@ Settings read_settings(ConfigReader& in) {
   s.background = std::chrono::milliseconds(
       in.integer("background-ms", "maximum time between two runs of a background task, in ms", 50,
                  5000, 5000));
-  read_analysis(in, s);
+  read_optional_services(in, s);
   read_secrets(in, s);
   check_origin(in, s.public_url);
   return s;

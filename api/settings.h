@@ -27,6 +27,8 @@ struct Settings {
   std::chrono::milliseconds background{5000};
   int visitor_percent = kVisitorPercent;
   std::string study_analysis_url;  ///< of the analysis of studies; empty if it is not installed
+  std::string archive_url;         ///< of the PACS gateway; empty if it is not installed
+  std::string archive_key;         ///< the secret that api and the PACS gateway share
   wire::InnerTls tls;
 };
 

@@ -34,10 +34,11 @@ Result<LinkStore::Target> Links::follow(std::string_view hash) {
   const std::string id = link->text.substr(0, link->text.find(' '));
   if (!is_id(id)) return no_link();
   const Result<Reply> session =
-      client_.command({"HMGET", "diaphane:session:" + id, "user", "data_set", "worker"});
+      client_.command({"HMGET", "diaphane:session:" + id, "user", "data_set", "worker", "over"});
   if (!session) return tl::unexpected(session.error());
   if (session->at(0).empty()) return no_link();
-  return Target{{id, session->at(0), session->at(1), session->at(2)}, link->text != id};
+  return Target{{id, session->at(0), session->at(1), session->at(2), "", session->at(3)},
+                link->text != id};
 }
 
 Result<void> Links::end_links(std::string_view session_id) {

@@ -18,6 +18,7 @@ struct SessionInfo {
   std::string data_set_id;
   std::string worker_id;        ///< the worker of the last placement
   std::string charged_to = {};  ///< as in PlaceRequest
+  std::string over = {};        ///< as in PlaceRequest
 };
 
 /// The relation of a viewer to the scan, from which the worker derives their permissions
@@ -63,6 +64,11 @@ struct PlaceRequest {
   /// The account that pays for the session of a participant of a study: the session counts towards
   /// its limit and ends with it, but does not exist for it. Empty means the user themself.
   std::string charged_to = {};
+  /// The data set that a new session shows over its own, or empty. It stays for the session's life.
+  std::string over = {};
+  /// The rigid motion from the coordinates of `over` to those of the session's data set: 16 numbers
+  /// separated by spaces, or empty for the identity (api/proto/worker.proto, SecondScan).
+  std::string to_first = {};
 };
 
 /// The current place of a session, and a new ticket for one connection to it.
@@ -87,11 +93,11 @@ class Placement {
   virtual Result<SessionInfo> find(std::string_view session_id) = 0;
   /// Returns the user's sessions, oldest first, without those that others opened at their expense.
   virtual Result<std::vector<SessionInfo>> sessions_of(std::string_view user_id) = 0;
-  /// Returns all sessions on the data set, by any user.
+  /// Returns all sessions on the data set, or that show it over another one, by any user.
   virtual Result<std::vector<SessionInfo>> sessions_on(std::string_view data_set_id) = 0;
   /// Deletes the session and frees its slot. A session that is already gone is not an error.
   virtual Result<void> end(std::string_view session_id) = 0;
-  /// Ends all sessions on a data set that is being deleted, by any user.
+  /// Ends all sessions that show a data set that is being deleted, by any user.
   virtual Result<void> end_all_of(std::string_view data_set_id) = 0;
   /// Ends all sessions that the user opened, and those that are charged to them.
   virtual Result<void> end_all_by(std::string_view user_id) = 0;
@@ -123,6 +129,7 @@ struct Attachment {
   bool slices = false, downloads = false;  ///< as in PlaceRequest
   bool guest_slices = false;  ///< last known value: guests may get the slices that are shown
   bool visitor = false;       ///< the session belongs to the visitors' share of the slots
+  std::string to_first;       ///< as in PlaceRequest
 };
 
 /// The gateway's side of a ticket. Thread-safe.

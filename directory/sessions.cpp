@@ -63,7 +63,8 @@ tl::unexpected<Error> not_placed(const std::string& what) {
 }  // namespace
 
 Result<Placed> Sessions::place(const PlaceRequest& request) {
-  if (!is_id(request.session_id) || !is_id(request.user_id) || !is_id(request.data_set_id)) {
+  if (!is_id(request.session_id) || !is_id(request.user_id) || !is_id(request.data_set_id) ||
+      (!request.over.empty() && !is_id(request.over))) {
     return no_session();
   }
   const std::string epoch = std::to_string(kProtocolEpoch);
@@ -96,7 +97,9 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
                                                    percent,
                                                    request.visitor_from,
                                                    request.downloads ? "1" : "0",
-                                                   request.charged_to});
+                                                   request.charged_to,
+                                                   request.over,
+                                                   request.to_first});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {
@@ -109,11 +112,15 @@ Result<SessionInfo> Sessions::find(std::string_view session_id) {
   if (!is_id(session_id)) return no_session();
   const std::string key = "diaphane:session:" + std::string(session_id);
   const Result<Reply> reply =
-      client_.command({"HMGET", key, "user", "data_set", "worker", "charged_to"});
+      client_.command({"HMGET", key, "user", "data_set", "worker", "charged_to", "over"});
   if (!reply) return tl::unexpected(reply.error());
   if (reply->at(0).empty()) return no_session();
-  return SessionInfo{std::string(session_id), reply->at(0), reply->at(1), reply->at(2),
-                     reply->at(3)};
+  return SessionInfo{std::string(session_id),
+                     reply->at(0),
+                     reply->at(1),
+                     reply->at(2),
+                     reply->at(3),
+                     reply->at(4)};
 }
 
 Result<std::vector<SessionInfo>> Sessions::sessions_of(std::string_view user_id) {
@@ -130,7 +137,7 @@ Result<std::vector<SessionInfo>> Sessions::list(std::string_view of, std::string
   const Result<Reply> reply = client_.run(kListSessions, {of, id});
   if (!reply) return tl::unexpected(reply.error());
   for (const Reply& one : reply->list) {
-    sessions.push_back({one.at(0), one.at(1), one.at(2), one.at(3), one.at(4)});
+    sessions.push_back({one.at(0), one.at(1), one.at(2), one.at(3), one.at(4), one.at(5)});
   }
   return sessions;
 }
@@ -203,6 +210,8 @@ Result<Attachment> Sessions::consume(std::string_view ticket) {
     found.guest_slices = reply->at(18) == "1";
     found.visitor = reply->at(19) == "1";
     found.downloads = reply->at(20) == "1";
+    found.session.over = reply->at(21);
+    found.to_first = reply->at(22);
     return found;
   }
   if (what == "unknown") {

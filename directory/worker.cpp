@@ -105,6 +105,7 @@ Result<bool> WorkerDirectory::restore(const LostSession& session) {
                                      incarnation_};
   append(arguments, session.saved);
   arguments.emplace_back(session.visitor ? "1" : "");
+  arguments.insert(arguments.end(), {session.over, session.to_first});
   arguments.insert(arguments.end(), session.links.begin(), session.links.end());
   const Result<Reply> reply = client_.run(kRebuildSession, views(arguments));
   if (!reply) return tl::unexpected(reply.error());

@@ -61,6 +61,7 @@ struct LostSession {
   std::string id, user_id, data_set_id;
   SavedScene saved;
   bool visitor = false;
+  std::string over = {}, to_first = {};  ///< as in PlaceRequest
   /// Hashes of the guests' links, each followed by " slices" if the link allows all slices.
   std::vector<std::string> links;
 };

@@ -17,6 +17,8 @@
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
 #include "ingest/metrics.h"
+#include "ingest/pipeline/align_child.h"
+#include "ingest/pipeline/align_work.h"
 #include "ingest/pipeline/builder.h"
 #include "ingest/pipeline/checked_builder.h"
 #include "ingest/pipeline/child.h"
@@ -106,6 +108,9 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   options.lease = std::chrono::milliseconds(
       in.integer("lease-ms", "lease time of a job between renewals, in ms", 500, 600000, 5000));
   options.worker.renew = options.lease * 3 / 10;
+  options.worker.poll = std::chrono::milliseconds(in.integer(
+      "poll-ms", "how often to look for jobs that are due again; new ones are announced, in ms", 10,
+      3'600'000, 1000));
   options.exports.renew = options.worker.renew;
   options.antivirus = read_antivirus(in, plain_allowed);
   options.builder.program = "/proc/self/exe";
@@ -135,8 +140,13 @@ class Lane {
     if (options.antivirus) checked_.emplace(*options.antivirus, sandbox_, malware);
     ingest::Builder& first = checked_ ? static_cast<ingest::Builder&>(*checked_) : sandbox_;
     worker_.emplace(options.worker, jobs_, first, events);
-    // Only the worker for jobs of any size makes exports, because a surface may need much memory.
-    if (light_mb == 0 && !options.exports.export_dir.empty()) make_exports(options);
+    // Only the worker for jobs of any size makes exports and alignments, because they may need much
+    // memory or time.
+    if (light_mb == 0) {
+      if (!options.exports.export_dir.empty()) make_exports(options);
+      make_alignments(options);
+      worker_->alternate_with([this] { return work_on_stored_scans(); });
+    }
     thread_ = std::thread([this] { worker_->run(); });
   }
   ~Lane() {
@@ -149,15 +159,30 @@ class Lane {
 
  private:
   void make_exports(const Options& options) {
-    export_jobs_.emplace(ingest::PostgresExports::Options{
+    export_jobs_.emplace(ingest::LeaseOptions{
         .url = options.postgres, .claimer = options.process, .lease = options.lease});
     exports_.emplace(options.exports, *export_jobs_,
                      [this](const ingest::ExportInput& input,
                             const ingest::Builder::ShouldContinue& should_continue) {
                        return sandbox_.export_scan(input, should_continue);
                      });
-    worker_->alternate_with(
-        [this] { return exports_->work_once([this] { return worker_->is_stopping(); }); });
+  }
+  void make_alignments(const Options& options) {
+    align_jobs_.emplace(ingest::LeaseOptions{
+        .url = options.postgres, .claimer = options.process, .lease = options.lease});
+    alignments_.emplace(ingest::AlignWorker::Options{.volume_dir = options.worker.volume_dir,
+                                                     .renew = options.exports.renew},
+                        *align_jobs_,
+                        [this](const ingest::AlignInput& input,
+                               const ingest::Builder::ShouldContinue& should_continue) {
+                          return sandbox_.align(input, should_continue);
+                        });
+  }
+  /// Makes an export and an alignment if there are some. Returns whether there was any.
+  bool work_on_stored_scans() {
+    const auto is_stopping = [this] { return worker_->is_stopping(); };
+    const bool exported = exports_ && exports_->work_once(is_stopping);
+    return alignments_->work_once(is_stopping) || exported;
   }
   static ingest::SandboxBuilder::Options with_light(ingest::SandboxBuilder::Options options,
                                                     std::uint64_t light_mb) {
@@ -169,6 +194,8 @@ class Lane {
   std::optional<ingest::CheckedBuilder> checked_;
   std::optional<ingest::PostgresExports> export_jobs_;
   std::optional<ingest::ExportWorker> exports_;
+  std::optional<ingest::PostgresAlignments> align_jobs_;
+  std::optional<ingest::AlignWorker> alignments_;
   std::optional<ingest::Worker> worker_;
   std::thread thread_;
 };
@@ -219,6 +246,9 @@ int main(int argc, char** argv) {
   }
   if (argc > 1 && std::string(argv[1]) == ingest::kExportChildWord) {
     return ingest::run_export_child_with({argv + 2, argv + argc});
+  }
+  if (argc > 1 && std::string(argv[1]) == ingest::kAlignChildWord) {
+    return ingest::run_align_child_with({argv + 2, argv + argc});
   }
   if (argc > 1 && std::string(argv[1]) == ingest::kCutChildWord) {
     return ingest::run_cut_child_with({argv + 2, argv + argc});

@@ -37,8 +37,7 @@ Complaint check(const diaphane::v1::Channel& channel, const std::string& field) 
   return check(channel.emission(), kBrightest, field + ".emission", "must be from 0 to 1e15");
 }
 
-Complaint check(const diaphane::v1::TransferFunction& function) {
-  const std::string field = "transferFunction";
+Complaint check(const diaphane::v1::TransferFunction& function, const std::string& field) {
   if (function.channels_size() == 0 || function.channels_size() > kMostChannels) {
     return complain(field + ".channels", "needs 1 to 64 channels");
   }
@@ -185,8 +184,19 @@ Complaint check(const diaphane::v1::Highlight& highlight) {
   return in_range(highlight.strength(), 0, 1, "highlight.strength", "must be from 0 to 1");
 }
 
+Complaint check(const diaphane::v1::Overlay& overlay) {
+  if (overlay.has_transfer_function()) {
+    if (auto c = check(overlay.transfer_function(), "overlay.transferFunction")) return c;
+  }
+  if (auto c = in_range(overlay.share(), 0, 1, "overlay.share", "must be from 0 to 1")) return c;
+  if (!diaphane::v1::Overlay::Mode_IsValid(overlay.mode())) {
+    return complain("overlay.mode", "is not known");
+  }
+  return in_range(overlay.split(), 0, 1, "overlay.split", "must be from 0 to 1");
+}
+
 Complaint first_complaint(const diaphane::v1::Scene& scene, PictureCheck check_picture) {
-  if (auto c = check(scene.transfer_function())) return c;
+  if (auto c = check(scene.transfer_function(), "transferFunction")) return c;
   if (auto c = check_lights(scene, check_picture)) return c;
   if (!scene.has_camera()) return complain("camera", "is missing");
   if (auto c = check(scene.camera())) return c;
@@ -199,6 +209,9 @@ Complaint first_complaint(const diaphane::v1::Scene& scene, PictureCheck check_p
   if (auto c = check_labels(scene)) return c;
   if (scene.has_highlight()) {
     if (auto c = check(scene.highlight())) return c;
+  }
+  if (scene.has_overlay()) {
+    if (auto c = check(scene.overlay())) return c;
   }
   if (scene.bounces() > kMostBounces) return complain("bounces", "must be at most 1024");
   return {};

@@ -18,13 +18,15 @@ from pathlib import Path
 import pytest
 
 import workers
-from harness import StackFactory, TestStack
+from archives import phantom_folder
+from harness import StackFactory, TestStack, free_port
+from orthanc import Orthanc
 
 
 @pytest.fixture(scope="session")
 def all_stacks(request):
-    shared = getattr(request.config, "workerinput", {}).get("shared")
-    factory = StackFactory(Path(shared) if shared else None)
+    shared = getattr(request.config, "workerinput", {}).get("shared") or request.config.getoption("--shared")
+    factory = StackFactory(Path(shared).resolve() if shared else None)
     yield factory
     factory.close()
 
@@ -37,6 +39,16 @@ def stack(all_stacks: StackFactory) -> TestStack:
 @pytest.fixture(scope="session")
 def stores(all_stacks: StackFactory) -> TestStack:
     return all_stacks.open(only=("postgres", "redis"))
+
+
+@pytest.fixture(scope="module")
+def orthanc(all_stacks: StackFactory):
+    """Yields a PACS with the phantom, which knows the receiver of a stack with port `receiver_port`."""
+    port = free_port()
+    with Orthanc(all_stacks, {"diaphane": ["DIAPHANE", "127.0.0.1", port]}) as running:
+        running.receiver_port = port
+        running.store(phantom_folder(all_stacks))
+        yield running
 
 
 @pytest.fixture
@@ -75,6 +87,7 @@ def pytest_runtest_makereport(item, call):
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--claims", type=Path, help="run only the files of tests that no other run with this folder has claimed")
+    parser.addoption("--shared", type=Path, help="folder for what is made once for all runs that share it")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -101,6 +114,9 @@ def pytest_xdist_make_scheduler(config, log):
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node) -> None:
     """Called for each worker by the process that the user started."""
+    if given := node.config.getoption("--shared"):
+        node.workerinput["shared"] = str(given)
+        return
     if not hasattr(node.config, "shared_by_workers"):
         node.config.shared_by_workers = tempfile.mkdtemp(prefix="diaphane-shared-")
         Path(node.config.shared_by_workers).chmod(0o755)

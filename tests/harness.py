@@ -27,8 +27,8 @@ from devtool.stack import Stack  # noqa: E402
 T = TypeVar("T")
 
 #: Settings of every stack of a test, which `extra_env` overrides. Background tasks of `api` run ten times as often as they do for
-#: users, so that no test waits seconds for the next run.
-SETTINGS = {"DIAPHANE_BACKGROUND_MS": "500", "DIAPHANE_STILL_SAMPLES": "4"}
+#: users, so that no test waits seconds for the next run. Thumbnails have one sample, because each costs a second of a core.
+SETTINGS = {"DIAPHANE_BACKGROUND_MS": "500", "DIAPHANE_STILL_SAMPLES": "1"}
 
 
 def mails_in(folder: Path, to: str | None = None) -> list[EmailMessage]:
@@ -192,7 +192,7 @@ class TestStack:
 
 
 class StackFactory:
-    """Creates the stacks of a test run and removes them. `shared`: a folder that the workers of a parallel run share."""
+    """Creates the stacks of a test run and removes them. `shared`: a folder that the processes of a parallel run share."""
 
     def __init__(self, shared: Path | None = None) -> None:
         self.shared_ = shared
@@ -210,6 +210,12 @@ class StackFactory:
         self.folders_.append(made)
         self.run_as.own(made)
         return made
+
+    def shared(self) -> Path:
+        """Returns the folder for what is made once for all processes of the run."""
+        if self.shared_ is None:
+            self.shared_ = self.folder()
+        return self.shared_
 
     def layout(self) -> layout.Layout:
         if self.layout_ is None:
@@ -229,7 +235,7 @@ class StackFactory:
     def cluster(self) -> Path:
         """Returns the data directory of a stopped cluster with the newest schema and no rows, made once for all stacks of a run."""
         if self.cluster_ is None:
-            folder = self.shared_ or self.folder()
+            folder = self.shared()
             made, beside = folder / "cluster", folder / "cluster.new"
             with one_at_a_time(folder):
                 if not made.exists():

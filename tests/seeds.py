@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import pickle
 import shutil
 import tarfile
 import time
@@ -16,7 +17,7 @@ from typing import Any, Callable, NamedTuple
 
 import httpx
 
-from harness import TestStack
+from harness import TestStack, one_at_a_time
 
 PASSWORD = "a long and quiet password"
 #: Passwords and their stored forms. argon2id reads its cost from the stored form: these need 8 KiB and one pass, where the API
@@ -71,14 +72,21 @@ class Scan:
     pictures: Path
 
 
-#: The scans of a run by the folder of their files. The first stack that needs one has it built by its ingestd.
+#: The scans of a run by the folder of their files. The first stack that needs one has it built by its ingestd. It is kept beside
+#: this folder, from where all processes of the run take it if they share the folder.
 _built: dict[Path, Scan] = {}
 
 
 def give_scan(stack: TestStack, email: str, folder: Path, title: str) -> str:
     """Gives the user with this address a ready scan of this folder. Returns its id."""
     if folder not in _built:
-        _built[folder] = _build(stack, folder)
+        kept = folder.with_name(f"{folder.name}-built")
+        kept.mkdir(exist_ok=True)
+        with one_at_a_time(kept):
+            if not (kept / "row").exists():
+                row = _build(stack, folder, kept)
+                (kept / "row").write_bytes(pickle.dumps(row))
+        _built[folder] = Scan(pickle.loads((kept / "row").read_bytes()), kept / "volume", kept / "pictures")
     scan, made = _built[folder], str(uuid.uuid4())
     _place(stack, scan.volume, stack.data_dir / "volumes" / made)
     _place(stack, scan.pictures, stack.data_dir / "cache" / "thumbnails" / made)
@@ -97,7 +105,8 @@ def _place(stack: TestStack, kept: Path, to: Path) -> None:
         run_as.own(path)
 
 
-def _build(stack: TestStack, folder: Path) -> Scan:
+def _build(stack: TestStack, folder: Path, kept: Path) -> tuple:
+    """Has the stack build the scan, copies its volume and pictures to `kept`, and returns its row."""
     person, made = write_person(stack.psql, f"seed-{uuid.uuid4().hex[:12]}@example.org"), str(uuid.uuid4())
     upload = stack.data_dir / "uploads" / f"{made}.tar"
     upload.write_bytes(bundle([file.read_bytes() for file in sorted(folder.iterdir())]))
@@ -106,15 +115,16 @@ def _build(stack: TestStack, folder: Path) -> Scan:
     stack.psql("INSERT INTO uploads (id, data_set_id, length, received, expires_at) VALUES (%s, %s, %s, %s, now() + interval '1 hour')",
                made, made, upload.stat().st_size, upload.stat().st_size)
     stack.psql("INSERT INTO ingest_jobs (data_set_id, upload_id) VALUES (%s, %s)", made, made)
+    stack.psql("NOTIFY ingest_jobs")
     # Ready, and the upload deleted, which is the last that ingest does.
     stack.wait_until(lambda: stack.psql("SELECT 1 FROM data_sets WHERE id = %s AND state = 'ready'", made) and not upload.exists(), 120, "the seeded scan")
     _have_pictures(stack, person, made)
-    kept = stack.factory.folder()
-    shutil.copytree(stack.data_dir / "volumes" / made, kept / "volume")
-    shutil.copytree(stack.data_dir / "cache" / "thumbnails" / made, kept / "pictures")
+    for name, source in (("volume", stack.data_dir / "volumes" / made), ("pictures", stack.data_dir / "cache" / "thumbnails" / made)):
+        shutil.rmtree(kept / name, ignore_errors=True)
+        shutil.copytree(source, kept / name)
     columns = ", ".join("head::text" if name == "head" else name for name in COLUMNS)
     [row] = stack.psql(f"SELECT {columns} FROM data_sets WHERE id = %s", made)
-    return Scan(row, kept / "volume", kept / "pictures")
+    return row
 
 
 def _have_pictures(stack: TestStack, person: Seeded, made: str) -> None:

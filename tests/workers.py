@@ -36,22 +36,22 @@ class ByFile(LoadScopeScheduling):
 
 
 class Claims:
-    """Shares the files out among several runs of pytest, of which each may start and end at any time: the first that claims a file,
-    or a part of it, runs it."""
+    """Shares the files out among several runs of pytest, of which each may start and end at any time: the first that claims a file
+    runs it. Files are not divided here: after tests of a file that are passed over, pytest refuses to set up those of the next."""
 
     def __init__(self, folder: Path) -> None:
         self.folder_ = folder
         self.own_: dict[str, bool] = {}
 
     def ours(self, nodeid: str) -> bool:
-        unit = unit_of(nodeid)
-        if unit not in self.own_:
-            self.own_[unit] = self._claim(unit)
-        return self.own_[unit]
+        file = nodeid.partition("::")[0]
+        if file not in self.own_:
+            self.own_[file] = self._claim(file)
+        return self.own_[file]
 
-    def _claim(self, unit: str) -> bool:
+    def _claim(self, file: str) -> bool:
         try:
-            (self.folder_ / unit.replace("/", " ")).mkdir(parents=True)
+            (self.folder_ / file.replace("/", " ")).mkdir(parents=True)
         except FileExistsError:
             return False
         return True

@@ -9,8 +9,8 @@ namespace diaphane::volume {
 namespace {
 
 constexpr std::string_view kMagic{"DIALABEL\x01", 9};  // the last byte is the version
-constexpr std::array<std::uint8_t, 3> kBrainColour{222, 178, 160};
-constexpr auto kLastOfIngest = static_cast<std::uint8_t>(Label::kBrain);
+constexpr auto kLastOfIngest = static_cast<std::uint8_t>(kLastLabel);
+using Presence = std::array<bool, kLastOfIngest + 1>;
 
 void append_number(std::string& bytes, std::uint64_t number) {
   while (number >= 0x80) {
@@ -83,15 +83,42 @@ Result<std::string_view> checked_runs(std::string_view bytes, std::array<std::ui
   return bytes;
 }
 
-bool shows(const Volume& volume, Label wanted) {
+/// Returns which labels mark at least one voxel, by their values. Damaged labels mark none.
+Presence presence_of(const Volume& volume) {
+  Presence present{};
+  if (volume.labels.empty()) return present;
   const auto runs = checked_runs(volume.labels, volume.header.size);
-  bool found = false;
-  if (runs) {
-    for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
-      found = found || (count > 0 && label == static_cast<std::uint8_t>(wanted));
-    });
+  if (!runs) return present;
+  for_each_run(*runs, [&](std::uint8_t label, std::size_t) { present[label] = true; });
+  return present;
+}
+
+bool shows(const Volume& volume, Label wanted) {
+  return presence_of(volume)[static_cast<std::size_t>(wanted)];
+}
+
+/// An axis of a volume: the distance of neighbours in memory, and their number.
+struct Axis {
+  std::size_t stride, count;
+};
+
+/// Gives voxels of value 0 the value of a neighbour along an axis.
+void widen_along(Axis axis, std::vector<std::uint8_t>& voxels) {
+  const std::size_t block = axis.stride * axis.count;
+  std::vector<std::uint8_t> before(axis.stride), own(axis.stride);
+  for (std::size_t start = 0; start + block <= voxels.size() && block > 0; start += block) {
+    std::fill(before.begin(), before.end(), std::uint8_t{0});
+    for (std::size_t i = 0; i < axis.count; ++i) {
+      std::uint8_t* at = voxels.data() + start + i * axis.stride;
+      std::copy_n(at, axis.stride, own.begin());
+      const std::uint8_t* after = i + 1 < axis.count ? at + axis.stride : own.data();
+      for (std::size_t k = 0; k < axis.stride; ++k) {
+        const std::uint8_t near = before[k] != 0 ? before[k] : after[k];
+        at[k] = at[k] != 0 ? at[k] : near;
+      }
+      before.swap(own);
+    }
   }
-  return found;
 }
 
 }  // namespace
@@ -134,23 +161,66 @@ std::uint64_t most_label_bytes(const Header& header) {
 bool has_support(const Volume& volume) { return shows(volume, Label::kSupport); }
 bool has_brain(const Volume& volume) { return shows(volume, Label::kBrain); }
 
+const FoundPart* found_part(std::uint32_t number) {
+  const auto found = std::find_if(kFoundParts.begin(), kFoundParts.end(),
+                                  [number](const auto& part) { return part.number() == number; });
+  return found == kFoundParts.end() ? nullptr : &*found;
+}
+
+std::string name_of(const LabelEntry& entry) {
+  const FoundPart* part = found_part(entry.number);
+  return part != nullptr && entry.name.empty() ? part->name : entry.name;
+}
+
 void list_found_labels(Volume& volume) {
+  const Presence present = presence_of(volume);
   LabelSet& set = volume.label_set;
-  if (set.table.size() >= kMostLabels || !has_brain(volume)) return;
-  if (set.empty()) {
+  std::array<std::uint8_t, kLastOfIngest + 1> values{};  // values in the set, or 0
+  const bool is_first = set.empty();
+  for (const FoundPart& part : kFoundParts) {
+    const auto label = static_cast<std::size_t>(part.label);
+    const bool is_listed =
+        std::any_of(set.table.begin(), set.table.end(),
+                    [&](const LabelEntry& entry) { return entry.number == part.number(); });
+    if (!present[label] || is_listed || set.table.size() >= kMostLabels) continue;
+    set.table.push_back({part.number(), {}, part.colour});
+    values[label] = static_cast<std::uint8_t>(set.table.size());
+  }
+  if (set.empty()) return;
+  if (is_first) {
     set.labels = {volume.header.size, std::vector<std::uint8_t>(volume.voxels.size())};
   }
-  set.table.push_back({kBrainNumber, {}, kBrainColour});
-  const auto value = static_cast<std::uint8_t>(set.table.size());
+  if (volume.labels.empty()) return;
+  const auto runs = checked_runs(volume.labels, volume.header.size);
+  if (!runs) return;
   auto at = set.labels.voxels.begin();
-  for_each_run(*checked_runs(volume.labels, volume.header.size),
-               [&](std::uint8_t label, std::size_t count) {
-                 const auto end = at + static_cast<std::ptrdiff_t>(count);
-                 if (label == static_cast<std::uint8_t>(Label::kBrain)) {
-                   std::replace(at, end, std::uint8_t{0}, value);
-                 }
-                 at = end;
-               });
+  for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
+    const auto end = at + static_cast<std::ptrdiff_t>(count);
+    if (values[label] != 0) std::replace(at, end, std::uint8_t{0}, values[label]);
+    at = end;
+  });
+}
+
+bool widen_dense_parts(Volume& volume) {
+  LabelSet& set = volume.label_set;
+  std::array<bool, kMostLabels + 1> dense{};
+  for (std::size_t i = 0; i < set.table.size(); ++i) {
+    const FoundPart* part = found_part(set.table[i].number);
+    dense[i + 1] = part && (part->label == Label::kBone || part->label == Label::kVessel);
+  }
+  if (std::find(dense.begin(), dense.end(), true) == dense.end()) return false;
+  std::vector<std::uint8_t>& voxels = set.labels.voxels;
+  std::vector<std::uint8_t> wide(voxels.size());
+  std::transform(voxels.begin(), voxels.end(), wide.begin(),
+                 [&](std::uint8_t value) { return dense.at(value) ? value : std::uint8_t{0}; });
+  const auto& size = volume.header.size;
+  const std::size_t row = size[0], slice = row * size[1];
+  widen_along({1, row}, wide);
+  widen_along({row, size[1]}, wide);
+  widen_along({slice, size[2]}, wide);
+  std::transform(voxels.begin(), voxels.end(), wide.begin(), voxels.begin(),
+                 [](std::uint8_t own, std::uint8_t wider) { return own != 0 ? own : wider; });
+  return true;
 }
 
 Result<void> hide_surroundings(Volume& volume) {
@@ -161,9 +231,7 @@ Result<void> hide_surroundings(Volume& volume) {
   auto at = volume.voxels.begin();
   for_each_run(*runs, [&](std::uint8_t label, std::size_t count) {
     const auto end = at + static_cast<std::ptrdiff_t>(count);
-    const bool hides = label == static_cast<std::uint8_t>(Label::kOutside) ||
-                       label == static_cast<std::uint8_t>(Label::kSupport);
-    if (hides) std::fill(at, end, nothing);
+    if (!is_body(label)) std::fill(at, end, nothing);
     at = end;
   });
   volume.surroundings_hidden = true;

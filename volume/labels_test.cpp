@@ -75,7 +75,7 @@ TEST(Labels, AreRefusedIfANumberHasTooManyBytes) {
 }
 
 TEST(Labels, AreRefusedIfALabelIsUnknown) {
-  expect_invalid(with_runs(std::string("\x05\xd8\x04", 3)), "A label is unknown.");
+  expect_invalid(with_runs(std::string("\x09\xd8\x04", 3)), "A label is unknown.");
 }
 
 TEST(Labels, AreRefusedIfTheSizeDoesNotFitInMemory) {
@@ -99,6 +99,77 @@ TEST(Labels, HideEverythingThatShowsNothingOfThePatient) {
   volume.labels = encode(Labels{{4, 1, 1}, {4, 0, 2, 4}});
   ASSERT_TRUE(hide_surroundings(volume));
   EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{-1000, -1000, -1000, 8}));
+}
+
+TEST(Labels, ListEachFoundPartThatHasVoxels) {
+  Volume volume;
+  volume.header.size = {4, 2, 1};
+  volume.voxels.resize(8);
+  volume.labels = encode(Labels{{4, 2, 1}, {0, 1, 8, 5, 5, 2, 3, 7}});
+  list_found_labels(volume);
+  std::vector<std::uint32_t> numbers;
+  for (const LabelEntry& entry : volume.label_set.table) {
+    numbers.push_back(entry.number);
+    EXPECT_TRUE(entry.name.empty()) << "the page translates it";
+  }
+  EXPECT_EQ(numbers, (std::vector<std::uint32_t>{0xFFFFFF05, 0xFFFFFF07, 0xFFFFFF08}));
+  EXPECT_EQ(volume.label_set.labels.voxels, (std::vector<std::uint8_t>{0, 0, 3, 1, 1, 0, 0, 2}));
+  const LabelSet listed = volume.label_set;
+  list_found_labels(volume);
+  EXPECT_EQ(volume.label_set.table, listed.table) << "each only once";
+  EXPECT_EQ(volume.label_set.labels.voxels, listed.labels.voxels);
+  EXPECT_EQ(name_of(listed.table[1]), "airways");
+  EXPECT_EQ(name_of(LabelEntry{5, "Vein", {}}), "Vein");
+  EXPECT_EQ(found_part(0xFFFFFF07)->label, Label::kAirway);
+  EXPECT_EQ(found_part(0xFFFFFF01), nullptr) << "the body is not listed";
+  EXPECT_EQ(found_part(5), nullptr);
+
+  volume.label_set = {std::vector<LabelEntry>(kMostLabels - 1), {{4, 2, 1}, {1, 2, 0, 0}}};
+  volume.label_set.labels.voxels.resize(8);
+  list_found_labels(volume);
+  EXPECT_EQ(volume.label_set.table.size(), kMostLabels);
+  EXPECT_EQ(volume.label_set.labels.voxels, (std::vector<std::uint8_t>{1, 2, 0, 255, 255, 0, 0, 0}))
+      << "only the first part has room";
+}
+
+TEST(Labels, WidenDensePartsIntoVoxelsWithoutALabel) {
+  constexpr std::array<std::uint32_t, 3> kSize{5, 4, 3};
+  const auto index = [&](std::size_t x, std::size_t y, std::size_t z) {
+    return x + kSize[0] * (y + kSize[1] * z);
+  };
+  Volume volume;
+  volume.header.size = kSize;
+  volume.voxels.resize(60);
+  Labels found{kSize, std::vector<std::uint8_t>(60, 1)};
+  found.voxels[index(1, 1, 1)] = 5;  // bone
+  found.voxels[index(2, 1, 1)] = 6;  // lung, which keeps its voxel
+  found.voxels[index(4, 3, 0)] = 6;  // and does not grow
+  volume.labels = encode(found);
+  list_found_labels(volume);
+  ASSERT_TRUE(widen_dense_parts(volume));
+  for (std::size_t i = 0; i < 60; ++i) {
+    const std::size_t x = i % 5, y = i / 5 % 4;
+    std::uint8_t expected = x <= 2 && y <= 2 ? 1 : 0;
+    if (i == index(2, 1, 1) || i == index(4, 3, 0)) expected = 2;
+    EXPECT_EQ(volume.label_set.labels.voxels[i], expected) << i;
+  }
+  volume.label_set = {{{7, "liver", {}}}, {kSize, std::vector<std::uint8_t>(60)}};
+  volume.label_set.labels.voxels[0] = 1;
+  const auto marked = volume.label_set.labels.voxels;
+  EXPECT_FALSE(widen_dense_parts(volume)) << "what somebody has marked stays";
+  EXPECT_EQ(volume.label_set.labels.voxels, marked);
+  volume.label_set = {};
+  EXPECT_FALSE(widen_dense_parts(volume));
+}
+
+TEST(Labels, HideSurroundingsOfFoundPartsOnly) {
+  Volume volume;
+  volume.header.size = {9, 1, 1};
+  volume.header.minimum = -1000;
+  volume.voxels.assign(9, 7);
+  volume.labels = encode(Labels{{9, 1, 1}, {0, 1, 2, 3, 4, 5, 6, 7, 8}});
+  ASSERT_TRUE(hide_surroundings(volume));
+  EXPECT_EQ(volume.voxels, (std::vector<std::int16_t>{-1000, 7, -1000, 7, 7, 7, 7, 7, 7}));
 }
 
 TEST(Labels, ListTheBrainBesideMarkedStructures) {
@@ -125,7 +196,7 @@ TEST(Labels, ListTheBrainBesideMarkedStructures) {
   volume.label_set = {};
   volume.labels = encode(Labels{{4, 1, 1}, {0, 1, 2, 3}});
   list_found_labels(volume);
-  EXPECT_TRUE(volume.label_set.empty()) << "a scan without a brain needs no labels";
+  EXPECT_TRUE(volume.label_set.empty()) << "a scan without parts needs no labels";
 }
 
 TEST(Labels, HideNothingIfDamaged) {

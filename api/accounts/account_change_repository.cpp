@@ -34,13 +34,14 @@ void set_password(pqxx::work& transaction, const std::string& user_id,
 
 Result<void> AccountChangeRepository::request_reset(const std::string& email_key,
                                                     const std::string& token_hash, Time expires_at,
-                                                    const Mail& known, const Mail& unknown) {
+                                                    const ResetMails& mails) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     transaction.exec_params0(
         R"sql(
-        WITH person AS (
-          SELECT id FROM users
-           WHERE email_key = $1 AND verified_at IS NOT NULL AND disabled_at IS NULL),
+        WITH known AS (
+          SELECT id, disabled_at IS NOT NULL AS is_disabled FROM users
+           WHERE email_key = $1 AND verified_at IS NOT NULL),
+        person AS (SELECT id FROM known WHERE NOT is_disabled),
         forgotten AS (
           DELETE FROM email_tokens USING person
            WHERE email_tokens.user_id = person.id AND purpose = 'reset'),
@@ -48,11 +49,12 @@ Result<void> AccountChangeRepository::request_reset(const std::string& email_key
           INSERT INTO email_tokens (token_hash, user_id, purpose, expires_at)
           SELECT $2, id, 'reset', to_timestamp($3::bigint / 1e6) FROM person)
         INSERT INTO mail_queue (recipient, subject, body, not_before)
-        SELECT $4, CASE WHEN is_known THEN $5 ELSE $7 END, CASE WHEN is_known THEN $6 ELSE $8 END,
-               to_timestamp(0)
-          FROM (SELECT EXISTS (SELECT FROM person) AS is_known) AS looked_up)sql",
-        email_key, token_hash, to_us(expires_at), known.recipient, known.subject, known.body,
-        unknown.subject, unknown.body);
+        SELECT $4, CASE is_disabled WHEN false THEN $5 WHEN true THEN $7 ELSE $9 END,
+               CASE is_disabled WHEN false THEN $6 WHEN true THEN $8 ELSE $10 END, to_timestamp(0)
+          FROM (SELECT (SELECT is_disabled FROM known) AS is_disabled) AS looked_up)sql",
+        email_key, token_hash, to_us(expires_at), mails.reset.recipient, mails.reset.subject,
+        mails.reset.body, mails.disabled.subject, mails.disabled.body, mails.unknown.subject,
+        mails.unknown.body);
     return {};
   });
 }

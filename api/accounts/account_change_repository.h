@@ -11,7 +11,7 @@ class AccountChangeRepository final : public AccountChangeStore {
   explicit AccountChangeRepository(Database& database) : database_(database) {}
 
   Result<void> request_reset(const std::string& email_key, const std::string& token_hash,
-                             Time expires_at, const Mail& known, const Mail& unknown) override;
+                             Time expires_at, const ResetMails& mails) override;
   Result<std::optional<TokenBearer>> find_token(const std::string& token_hash,
                                                 const std::string& purpose, Time now) override;
   Result<bool> reset(const std::string& token_hash, const std::string& password_hash,

@@ -54,8 +54,9 @@ Outcome<void> AccountChanges::request_reset(const std::string& email, const std:
   const std::string token = random_hex(32);
   const auto done = store_.request_reset(
       key, blake2b(token), now + options_.reset_life,
-      mails::reset(language, email, options_.public_url + "/reset#token=" + token),
-      mails::no_account(language, email, options_.public_url + "/sign-up"));
+      {mails::reset(language, email, options_.public_url + "/reset#token=" + token),
+       mails::account_disabled(language, email, options_.public_url + "/contact"),
+       mails::no_account(language, email, options_.public_url + "/sign-up")});
   if (!done) return refuse(done.error());
   signals_.raise(Signal::kMail);
   return {};

@@ -39,14 +39,22 @@ struct EmailRequest {
   Mail to_old;
 };
 
+/// The emails that a request to reset a password can lead to, all to the same address.
+struct ResetMails {
+  Mail reset;
+  Mail disabled;  ///< if an administrator has disabled the account
+  Mail unknown;   ///< if there is no confirmed account
+};
+
 /// Every function returns kUnavailable if the database is unavailable. Each is one transaction,
 /// which includes its entry in the audit log.
 class AccountChangeStore {
  public:
   virtual ~AccountChangeStore() = default;
-  /// Queues an email with or without a link. Does the same work whether or not an account exists.
+  /// Queues the email that fits: only `mails.reset` has a link that works. Does the same work
+  /// whether or not an account exists.
   virtual Result<void> request_reset(const std::string& email_key, const std::string& token_hash,
-                                     Time expires_at, const Mail& known, const Mail& unknown) = 0;
+                                     Time expires_at, const ResetMails& mails) = 0;
   /// Returns the account of a token without consuming it, or nothing if the token is unknown, used,
   /// expired or for another purpose.
   virtual Result<std::optional<TokenBearer>> find_token(const std::string& token_hash,

@@ -22,6 +22,7 @@ class FakeAccountChangeStore final : public AccountChangeStore, public Fake {
   };
   std::map<std::string, Token> tokens;  ///< by hash
   TokenBearer account;                  ///< of `request_reset`, if the address has one
+  bool is_disabled = false;
   std::vector<Mail> mails;
   EmailRequest email_request;
   std::string password_hash, kept_session, new_email_key;
@@ -30,11 +31,16 @@ class FakeAccountChangeStore final : public AccountChangeStore, public Fake {
   std::vector<std::string> ended;
 
   Result<void> request_reset(const std::string& key, const std::string& token_hash, Time expires_at,
-                             const Mail& known, const Mail& unknown) override {
+                             const ResetMails& possible) override {
     DIAPHANE_TRY(enter("request_reset"));
-    const bool exists = key == email_key(account.email);
-    if (exists) tokens[token_hash] = {"reset", account, expires_at};
-    mails.push_back(exists ? known : unknown);
+    if (key != email_key(account.email)) {
+      mails.push_back(possible.unknown);
+    } else if (is_disabled) {
+      mails.push_back(possible.disabled);
+    } else {
+      tokens[token_hash] = {"reset", account, expires_at};
+      mails.push_back(possible.reset);
+    }
     return {};
   }
   Result<std::optional<TokenBearer>> find_token(const std::string& hash, const std::string& purpose,
@@ -142,6 +148,15 @@ TEST_F(AccountChangesTest, AResetIsAnsweredTheSameWhetherOrNotTheAccountExists) 
   ASSERT_EQ(store.tokens.size(), 1u);
   EXPECT_EQ(store.tokens.begin()->first, blake2b(token_in(store.mails[0])))
       << "nothing that is stored resets a password";
+}
+
+TEST_F(AccountChangesTest, AResetOfADisabledAccountSaysSoAndHasNoLink) {
+  store.is_disabled = true;
+  ASSERT_TRUE(changes.request_reset(who.email, "1.2.3.4"));
+  ASSERT_EQ(store.mails.size(), 1u);
+  EXPECT_THAT(store.mails[0].body, HasSubstr("https://see.example/contact"));
+  EXPECT_THAT(store.mails[0].body, Not(HasSubstr("#token=")));
+  EXPECT_THAT(store.tokens, IsEmpty());
 }
 
 TEST_F(AccountChangesTest, AResetNeedsAnAddress) {

@@ -84,6 +84,21 @@ Mail no_account(Language language, const std::string& to, const std::string& sig
            sign_up + "\n\nWenn Sie das nicht waren, brauchen Sie nichts zu tun.\n"});
 }
 
+Mail account_disabled(Language language, const std::string& to, const std::string& contact) {
+  return in_one(
+      language, to,
+      {"Your Diaphane account is disabled",
+       "Someone, probably you, asked to reset the password of your Diaphane account. An "
+       "administrator has disabled this account, so its password can't be reset now.\n\nThis page "
+       "says how to reach the administrator:\n\n" +
+           contact + "\n\nIf this was not you, you do not need to do anything.\n"},
+      {"Ihr Konto bei Diaphane ist gesperrt",
+       "Jemand, vermutlich Sie, möchte das Passwort Ihres Kontos bei Diaphane zurücksetzen. Das "
+       "Konto wurde von der Verwaltung gesperrt. Deshalb lässt sich das Passwort zurzeit nicht "
+       "zurücksetzen.\n\nAuf dieser Seite steht, wie Sie die Verwaltung erreichen:\n\n" +
+           contact + "\n\nWenn Sie das nicht waren, brauchen Sie nichts zu tun.\n"});
+}
+
 Mail password_changed(Language language, const std::string& to, const std::string& forgot) {
   return in_one(
       language, to,

@@ -14,6 +14,7 @@ Mail welcome(Language language, const std::string& to, const std::string& link);
 Mail already_there(Language language, const std::string& to, const std::string& sign_in);
 Mail reset(Language language, const std::string& to, const std::string& link);
 Mail no_account(Language language, const std::string& to, const std::string& sign_up);
+Mail account_disabled(Language language, const std::string& to, const std::string& contact);
 Mail password_changed(Language language, const std::string& to, const std::string& forgot);
 /// The next two emails are sent to the new address.
 Mail confirm_new_address(Language language, const std::string& to, const std::string& link);

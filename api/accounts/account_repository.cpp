@@ -146,7 +146,7 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
         SELECT s.user_id, s.csrf_token, u.email,
                (extract(epoch FROM s.created_at) * 1000000)::bigint AS created_us,
                (extract(epoch FROM s.expires_at) * 1000000)::bigint AS expires_us, s.id, s.browser,
-               u.is_administrator, u.is_researcher, (extract(epoch FROM s.used_at) * 1000000)::bigint AS used_us,
+               u.is_administrator, u.is_researcher, u.archive_access, (extract(epoch FROM s.used_at) * 1000000)::bigint AS used_us,
                EXISTS (SELECT FROM second_factors f
                         WHERE f.user_id = u.id AND f.confirmed_at IS NOT NULL) AS second_factor,
                coalesce(u.consent_version, '') AS consent_version
@@ -166,7 +166,8 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
         from_us(row["used_us"].as<std::int64_t>()),
         row["second_factor"].as<bool>(),
         row["consent_version"].as<std::string>(),
-        row["is_researcher"].as<bool>()};
+        row["is_researcher"].as<bool>(),
+        row["archive_access"].as<bool>()};
   });
 }
 

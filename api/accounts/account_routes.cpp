@@ -29,6 +29,7 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
                              {"csrf_token", who.csrf_token},
                              {"administrator", who.administrator || who.administrator_waits},
                              {"researcher", who.researcher},
+                             {"archive_access", who.archive_access},
                              {"second_factor", who.second_factor},
                              {"consent", std::move(consent)},
                              {"quota", {{"bytes", quota->bytes}, {"used_bytes", quota->used}}},

@@ -54,6 +54,7 @@ struct SignedIn {
   bool second_factor = false;        ///< whether two-factor authentication is on
   std::string consent_version = {};  ///< of the privacy notice; empty without consent
   bool researcher = false;
+  bool archive_access = false;
 };
 
 struct Quota {

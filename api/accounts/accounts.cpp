@@ -233,6 +233,7 @@ Outcome<Principal> Accounts::authenticate(const std::string& token, Renewal rene
                       session.id,      factor,
                       role && !factor, (*found)->consent_version == options_.consent_version};
   principal.researcher = (*found)->researcher;
+  principal.archive_access = (*found)->archive_access;
   if (renewal == Renewal::kNo) return principal;
   if (now - (*found)->used_at > kUseNoted) {
     if (auto done = store_.touch_session(hash, now); !done) return refuse(done.error());

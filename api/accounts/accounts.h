@@ -31,6 +31,7 @@ struct Principal {
   bool administrator_waits = false;
   bool consented = false;                  ///< to the current privacy notice
   bool researcher = false;                 ///< has the role, with which they run studies
+  bool archive_access = false;             ///< may use the hospital's archives
   Language language = Language::kEnglish;  ///< of the request, with or without an account
   Client client = {};                      ///< of the request, likewise
 };

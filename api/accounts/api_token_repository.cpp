@@ -50,7 +50,7 @@ Result<bool> ApiTokenRepository::create(const std::string& user_id, const std::s
         INSERT INTO api_tokens (id, user_id, token_hash, name, scopes, created_at, expires_at)
         SELECT $1::uuid, $2::uuid, $3, $4, $5, to_timestamp($6::bigint / 1e6), to_timestamp($7::bigint / 1e6)
          WHERE (SELECT count(*) FROM api_tokens
-                 WHERE user_id = $2::uuid AND expires_at > to_timestamp($6::bigint / 1e6)) < $8)sql",
+                 WHERE user_id = $2::uuid AND NOT for_fetch AND expires_at > to_timestamp($6::bigint / 1e6)) < $8)sql",
         token.id, user_id, token_hash, token.name, join_scopes(token.scopes),
         to_us(token.created_at), to_us(token.expires_at), most);
     if (made.affected_rows() == 0) return false;
@@ -68,11 +68,12 @@ Result<bool> ApiTokenRepository::create(const std::string& user_id, const std::s
 Result<std::vector<ApiToken>> ApiTokenRepository::list(const std::string& user_id, Time now) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<ApiToken>> {
     std::vector<ApiToken> tokens;
-    for (const pqxx::row& row : transaction.exec_params(
-             std::string("SELECT ") + kColumns +
-                 "FROM api_tokens t WHERE user_id = $1::uuid "
-                 "AND expires_at > to_timestamp($2::bigint / 1e6) ORDER BY created_at DESC, id",
-             user_id, to_us(now))) {
+    for (const pqxx::row& row :
+         transaction.exec_params(std::string("SELECT ") + kColumns +
+                                     "FROM api_tokens t WHERE user_id = $1::uuid "
+                                     "AND NOT for_fetch AND expires_at > to_timestamp($2::bigint / "
+                                     "1e6) ORDER BY created_at DESC, id",
+                                 user_id, to_us(now))) {
       tokens.push_back(read_token(row));
     }
     return tokens;
@@ -98,15 +99,19 @@ Result<std::optional<TokenUse>> ApiTokenRepository::find(const std::string& toke
   return database_.read([&](pqxx::work& transaction) -> Result<std::optional<TokenUse>> {
     const pqxx::result found = transaction.exec_params(
         std::string("SELECT u.id AS user_id, u.email, "
-                    "coalesce(u.consent_version, '') AS consent_version, ") +
+                    "coalesce(u.consent_version, '') AS consent_version, u.archive_access, "
+                    "t.for_fetch, ") +
             kColumns +
             "FROM api_tokens t JOIN users u ON u.id = t.user_id WHERE t.token_hash = $1 "
             "AND t.expires_at > to_timestamp($2::bigint / 1e6) AND u.disabled_at IS NULL",
         token_hash, to_us(now));
     if (found.empty()) return std::nullopt;
-    return TokenUse{read_token(found[0]), found[0]["user_id"].as<std::string>(),
+    return TokenUse{read_token(found[0]),
+                    found[0]["user_id"].as<std::string>(),
                     found[0]["email"].as<std::string>(),
-                    found[0]["consent_version"].as<std::string>()};
+                    found[0]["consent_version"].as<std::string>(),
+                    found[0]["archive_access"].as<bool>(),
+                    found[0]["for_fetch"].as<bool>()};
   });
 }
 

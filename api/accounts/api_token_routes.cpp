@@ -35,7 +35,7 @@ std::vector<TokenScope> scopes_in(Fields& in) {
       if (right) scopes.push_back(*scope);
     }
   }
-  if (!right) in.wrong("scopes", "must list read, write or share, each at most once");
+  if (!right) in.wrong("scopes", "must list read, write, share or archive, each at most once");
   return scopes;
 }
 

@@ -1,6 +1,7 @@
 #include "api/accounts/api_tokens.h"
 
 #include <algorithm>
+#include <array>
 
 #include "api/accounts/account_mails.h"
 #include "common/ids.h"
@@ -12,6 +13,10 @@ namespace {
 tl::unexpected<Problem> invalid_token() {
   return refuse(ProblemKind::kUnauthenticated, "The token is not valid.");
 }
+
+/// The operations of a token with which the PACS gateway uploads what a user fetches.
+constexpr std::array<std::string_view, 4> kFetchOperations{"createDataSet", "getUploadOffset",
+                                                           "appendToUpload", "terminateUpload"};
 
 }  // namespace
 
@@ -71,6 +76,12 @@ Outcome<Principal> ApiTokens::authenticate(std::string_view secret, std::string_
   if (!found) return refuse(found.error());
   if (!*found) return invalid_token();
   const ApiToken& token = (*found)->token;
+  if ((*found)->for_fetch && !(*found)->archive_access) return invalid_token();
+  const bool fetches = std::find(kFetchOperations.begin(), kFetchOperations.end(), operation) !=
+                       kFetchOperations.end();
+  if ((*found)->for_fetch && !fetches) {
+    return refuse(ProblemKind::kForbidden, "This token only uploads.");
+  }
   const auto needed = scope_of_operation(operation);
   if (!needed) {
     return refuse(ProblemKind::kForbidden,
@@ -88,6 +99,7 @@ Outcome<Principal> ApiTokens::authenticate(std::string_view secret, std::string_
   principal.user_id = (*found)->user_id;
   principal.email = (*found)->email;
   principal.session_id = token.id;
+  principal.archive_access = (*found)->archive_access;
   principal.consented = (*found)->consent_version == accounts_.consent_version();
   return principal;
 }

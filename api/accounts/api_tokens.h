@@ -28,6 +28,8 @@ struct TokenUse {
   std::string user_id;
   std::string email;
   std::string consent_version;
+  bool archive_access = false;
+  bool for_fetch = false;  ///< only uploads what its user fetches from an archive
 };
 
 /// Every function returns kUnavailable if the database is unavailable. Each is one transaction,

@@ -77,8 +77,10 @@ TEST_F(ApiTokensTest, ActsForItsUserWithoutTheRoleOfAnAdministrator) {
 }
 
 TEST_F(ApiTokensTest, PermitsOnlyOperationsOfItsScopes) {
-  const std::map<TokenScope, std::string_view> examples{
-      {kRead, "createSession"}, {kWrite, "deleteDataSet"}, {kShare, "shareWithPerson"}};
+  const std::map<TokenScope, std::string_view> examples{{kRead, "createSession"},
+                                                        {kWrite, "deleteDataSet"},
+                                                        {kShare, "shareWithPerson"},
+                                                        {kArchive, "searchArchive"}};
   for (const TokenScope scope : kTokenScopes) {
     const auto created = made({scope});
     for (const auto& [needed, operation] : examples) {
@@ -89,8 +91,19 @@ TEST_F(ApiTokensTest, PermitsOnlyOperationsOfItsScopes) {
   }
 }
 
+TEST_F(ApiTokensTest, ATokenOfAFetchOnlyUploadsWhileItsUserHasAccessToTheArchives) {
+  const auto created = made({kWrite});
+  TokenUse& use = token_store.tokens.begin()->second;
+  use.for_fetch = true;
+  EXPECT_EQ(refused(created.secret, "createDataSet"), ProblemKind::kUnauthenticated);
+  use.archive_access = true;
+  EXPECT_EQ(refused(created.secret, "createDataSet"), Refusal());
+  EXPECT_EQ(refused(created.secret, "appendToUpload"), Refusal());
+  EXPECT_EQ(refused(created.secret, "deleteDataSet"), ProblemKind::kForbidden);
+}
+
 TEST_F(ApiTokensTest, NeverReachesTheSecurityOfTheAccountOrTheAdministration) {
-  const auto created = made({kRead, kWrite, kShare});
+  const auto created = made({kRead, kWrite, kShare, kArchive});
   for (const char* operation :
        {"getMe", "changePassword", "requestEmailChange", "beginSecondFactor", "removeSecondFactor",
         "deleteAccount", "listApiTokens", "createApiToken", "revokeApiToken", "requestExport",

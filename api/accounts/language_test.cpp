@@ -46,9 +46,10 @@ using WithLink = Mail (*)(Language, const std::string&, const std::string&);
 TEST(Mails, ExistInBothLanguagesWithTheirLink) {
   for (const WithLink make :
        {mails::welcome, mails::already_there, mails::reset, mails::no_account,
-        mails::password_changed, mails::confirm_new_address, mails::new_address_taken,
-        mails::address_change_requested, mails::second_factor_added, mails::second_factor_removed,
-        mails::recovery_code_used, mails::code_reused, mails::recovery_codes_renewed}) {
+        mails::account_disabled, mails::password_changed, mails::confirm_new_address,
+        mails::new_address_taken, mails::address_change_requested, mails::second_factor_added,
+        mails::second_factor_removed, mails::recovery_code_used, mails::code_reused,
+        mails::recovery_codes_renewed}) {
     const Mail english = make(Language::kEnglish, kTo, kLink);
     const Mail german = make(Language::kGerman, kTo, kLink);
     for (const Mail& mail : {english, german}) {

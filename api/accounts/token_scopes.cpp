@@ -17,7 +17,8 @@ const std::map<std::string_view, TokenScope>& scopes_by_operation() {
       {"listPresets", kRead},        {"getPreset", kRead},          {"getPresetThumbnail", kRead},
       {"requestScanExport", kRead},  {"getScanExport", kRead},      {"deleteScanExport", kRead},
       {"downloadScanExport", kRead}, {"exportPreset", kRead},       {"listEnvironments", kRead},
-      {"getEnvironment", kRead},     {"createDataSet", kWrite},     {"describeDataSet", kWrite},
+      {"getEnvironment", kRead},     {"getAlignment", kRead},       {"requestAlignment", kWrite},
+      {"deleteAlignment", kWrite},   {"createDataSet", kWrite},     {"describeDataSet", kWrite},
       {"deleteDataSet", kWrite},     {"createUpload", kWrite},      {"getUploadOffset", kWrite},
       {"appendToUpload", kWrite},    {"terminateUpload", kWrite},   {"anonymise", kWrite},
       {"addLabels", kWrite},         {"removeLabels", kWrite},      {"createAnnotations", kWrite},
@@ -28,6 +29,9 @@ const std::map<std::string_view, TokenScope>& scopes_by_operation() {
       {"shareWithPerson", kShare},   {"changePerson", kShare},      {"unsharePerson", kShare},
       {"listViews", kShare},         {"listDataSetLinks", kShare},  {"createDataSetLink", kShare},
       {"endDataSetLink", kShare},    {"createLink", kShare},        {"endLinks", kShare},
+      {"listArchives", kArchive},    {"searchArchive", kArchive},   {"listArchiveSeries", kArchive},
+      {"startFetch", kArchive},      {"getFetch", kArchive},        {"cancelFetch", kArchive},
+      {"recordReceipt", kArchive},
   };
   return kScopes;
 }
@@ -41,9 +45,11 @@ std::string_view to_string(TokenScope scope) {
     case kWrite:
       return "write";
     case kShare:
+      return "share";
+    case kArchive:
       break;
   }
-  return "share";
+  return "archive";
 }
 
 std::optional<TokenScope> token_scope_of(std::string_view text) {

@@ -10,13 +10,14 @@ namespace diaphane::api {
 
 /// What an API token permits. No scope includes another.
 enum class TokenScope {
-  kRead,   ///< list, view and render scans
-  kWrite,  ///< upload, edit and delete scans and what is saved with them
-  kShare,  ///< decide who may see scans
+  kRead,     ///< list, view and render scans
+  kWrite,    ///< upload, edit and delete scans and what is saved with them
+  kShare,    ///< decide who may see scans
+  kArchive,  ///< search and fetch from the hospital's archives, and receive scans from them
 };
 
-inline constexpr std::array<TokenScope, 3> kTokenScopes{TokenScope::kRead, TokenScope::kWrite,
-                                                        TokenScope::kShare};
+inline constexpr std::array<TokenScope, 4> kTokenScopes{TokenScope::kRead, TokenScope::kWrite,
+                                                        TokenScope::kShare, TokenScope::kArchive};
 
 std::string_view to_string(TokenScope scope);
 std::optional<TokenScope> token_scope_of(std::string_view text);

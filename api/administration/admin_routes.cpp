@@ -24,6 +24,7 @@ nlohmann::ordered_json to_json(const UserRecord& user) {
       {"disabled", user.disabled},
       {"administrator", user.administrator},
       {"researcher", user.researcher},
+      {"archive_access", user.archive_access},
       {"quota", {{"bytes", user.storage.bytes}, {"used_bytes", user.storage.used}}},
       {"render_time", {{"quota_ms", user.render_quota_ms}, {"used_ms", user.render_used_ms}}},
       {"data_sets", user.data_sets}};
@@ -69,7 +70,8 @@ Outcome<Response> change_user(Administration& administration, const Request& req
   Fields in(request);
   const UserChange change{in.optional_integer("quota_bytes", 0, kMostBytes),
                           in.optional_integer("render_quota_ms", 0, kMostMs),
-                          in.optional_boolean("disabled"), in.optional_boolean("researcher")};
+                          in.optional_boolean("disabled"), in.optional_boolean("researcher"),
+                          in.optional_boolean("archive_access")};
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto user = administration.change(who, request.parameter("user_id"), change);
   DIAPHANE_TRY(user);

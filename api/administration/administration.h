@@ -19,6 +19,7 @@ struct UserRecord {
   Time created_at;
   std::optional<Time> used_at;  ///< last activity of a signed-in browser
   bool verified = false, disabled = false, administrator = false, researcher = false;
+  bool archive_access = false;
   Quota storage;
   std::int64_t render_quota_ms = 0, render_used_ms = 0;  ///< device time this month
   int data_sets = 0;
@@ -26,7 +27,7 @@ struct UserRecord {
 
 struct UserChange {
   std::optional<std::int64_t> quota_bytes, render_quota_ms;
-  std::optional<bool> disabled, researcher;
+  std::optional<bool> disabled, researcher, archive_access;
 };
 
 /// A user with the administrator role.

@@ -11,7 +11,7 @@ constexpr const char* kSelectUser = R"sql(
   SELECT u.id, u.email, (extract(epoch FROM u.created_at) * 1000000)::bigint AS created_us,
          (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id) AS used_us,
          u.verified_at IS NOT NULL AS verified, u.disabled_at IS NOT NULL AS disabled, u.is_administrator,
-         u.is_researcher, u.quota_bytes,
+         u.is_researcher, u.archive_access, u.quota_bytes,
          COALESCE((SELECT sum(COALESCE(d.volume_bytes, 0) + d.label_bytes + COALESCE(up.length, 0))
                             FILTER (WHERE d.state IN ('uploading', 'queued', 'building', 'ready'))
                      FROM data_sets d LEFT JOIN uploads up ON up.data_set_id = d.id
@@ -33,6 +33,7 @@ UserRecord read_user(const pqxx::row& row) {
   user.disabled = row["disabled"].as<bool>();
   user.administrator = row["is_administrator"].as<bool>();
   user.researcher = row["is_researcher"].as<bool>();
+  user.archive_access = row["archive_access"].as<bool>();
   user.storage = {row["quota_bytes"].as<std::int64_t>(), row["used_bytes"].as<std::int64_t>()};
   user.render_quota_ms = row["render_quota_ms"].as<std::int64_t>();
   user.render_used_ms = row["render_used_ms"].as<std::int64_t>();
@@ -91,7 +92,8 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
                                               Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result before = transaction.exec_params(R"sql(
-        SELECT quota_bytes, render_quota_ms, disabled_at IS NOT NULL AS disabled, is_researcher FROM users
+        SELECT quota_bytes, render_quota_ms, disabled_at IS NOT NULL AS disabled, is_researcher,
+               archive_access FROM users
          WHERE id = $1::uuid FOR UPDATE)sql",
                                                         id);
     if (before.empty()) return false;
@@ -131,6 +133,11 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
       transaction.exec_params0("UPDATE users SET is_researcher = $2 WHERE id = $1::uuid", id,
                                *change.researcher);
       note(*change.researcher ? "researcher.granted" : "researcher.revoked", {});
+    }
+    if (change.archive_access && *change.archive_access != before[0]["archive_access"].as<bool>()) {
+      transaction.exec_params0("UPDATE users SET archive_access = $2 WHERE id = $1::uuid", id,
+                               *change.archive_access);
+      note(*change.archive_access ? "archive-access.granted" : "archive-access.revoked", {});
     }
     if (change.disabled.value_or(false) || !change.researcher.value_or(true)) {
       close_studies(transaction, id, now);

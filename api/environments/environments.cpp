@@ -138,6 +138,8 @@ Outcome<void> Environments::remove(const Principal& who, const std::string& id) 
   if (!is_id(id)) return no_such_environment();
   const auto removed = store_.remove(who.user_id, id);
   if (!removed) return environment_problem(removed.error());
+  // At once, so that no scene still gets its light. The disposer repeats what fails.
+  (void)dispose(id);
   signals_.raise(Signal::kDisposal);
   return {};
 }

@@ -62,15 +62,14 @@ TEST_F(EnvironmentsTest, OnlyTheOwnerSeesTheNameAndChangesIt) {
   EXPECT_EQ(refusal(environments.find(anna, "../secret")), ProblemKind::kNotFound);
 }
 
-TEST_F(EnvironmentsTest, RemovingWakesTheDisposal) {
+TEST_F(EnvironmentsTest, RemovingDeletesTheFileAndWakesTheDisposal) {
   int woken = 0;
   signals.subscribe(Signal::kDisposal, [&] { ++woken; });
   const auto added = environments.add(anna, "a", "file");
   ASSERT_TRUE(environments.remove(anna, added->id));
   EXPECT_EQ(woken, 1);
-  EXPECT_EQ(refusal(environments.find(anna, added->id)), ProblemKind::kNotFound);
-  EXPECT_TRUE(environments.dispose(added->id));
   EXPECT_FALSE(disk.has(file_of(added->id)));
+  EXPECT_EQ(refusal(environments.find(anna, added->id)), ProblemKind::kNotFound);
   EXPECT_TRUE(environments.dispose(added->id)) << "may be repeated";
 }
 

@@ -37,6 +37,7 @@ constexpr std::array kPhrases = std::to_array<std::pair<int, std::string_view>>(
     {460, "Checksum Mismatch"},
     {500, "Internal Server Error"},
     {501, "Not Implemented"},
+    {502, "Bad Gateway"},
     {503, "Service Unavailable"},
     {507, "Insufficient Storage"},
 });

@@ -24,11 +24,12 @@ constexpr std::string_view kReadMe =
     "           scan in voxels, the distance between voxels in millimetres and the orientation.\n"
     "           voxels.i16 holds the values as 16-bit little-endian integers; x varies fastest,\n"
     "           then y, then z. The values of a CT scan are in Hounsfield units. labels says\n"
-    "           which voxels show the body, and which the table or the air around it. label_set\n"
-    "           holds the names and voxels of labels that you added. marks.json holds the marks\n"
-    "           and measurements that you saved with the scan, in millimetres from its centre.\n"
-    "           Those of other people's scans are in records/annotations.author_id.json.\n"
-    "           presets/ holds one image of the scan per preset.\n\n"
+    "           which voxels show the body, a part of it that the server found, such as bone, or\n"
+    "           the table or the air around it. label_set holds the names and voxels of labels\n"
+    "           that you added. marks.json holds the marks and measurements that you saved with\n"
+    "           the scan, in millimetres from its centre. Those of other people's scans are in\n"
+    "           records/annotations.author_id.json. presets/ holds one image of the scan per\n"
+    "           preset.\n\n"
     "The files from your disc are not included, because Diaphane does not keep them.\n";
 
 std::chrono::seconds pause_after(int waits) {

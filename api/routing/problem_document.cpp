@@ -40,6 +40,8 @@ ProblemForm form_of(ProblemKind kind) {
       return {"not-ready", 409, "Not ready"};
     case ProblemKind::kNotAnonymised:
       return {"not-anonymised", 409, "Not anonymised yet"};
+    case ProblemKind::kNotAligned:
+      return {"not-aligned", 409, "Not aligned yet"};
     case ProblemKind::kPrecondition:
       return {"precondition", 412, "Changed in the meantime"};
     case ProblemKind::kPreconditionRequired:
@@ -84,6 +86,12 @@ ProblemForm form_of(ProblemKind kind) {
       return {"too-many", 429, "Too many"};
     case ProblemKind::kTooManyAttempts:
       return {"too-many-attempts", 429, "Too many attempts"};
+    case ProblemKind::kArchiveUnreachable:
+      return {"archive-unreachable", 502, "The archive does not respond"};
+    case ProblemKind::kArchiveRefused:
+      return {"archive-refused", 502, "The archive refused the request"};
+    case ProblemKind::kArchiveFaulty:
+      return {"archive-faulty", 502, "The archive sent an invalid response"};
     case ProblemKind::kNoWorker:
       return {"no-worker", 503, "No render worker available"};
     case ProblemKind::kBusy:

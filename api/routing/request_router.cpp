@@ -123,13 +123,20 @@ bool is_header_text(const std::string& text) {
 bool needs_consent(const Route& route) {
   const bool consenting = route.access == Access::kPerson ||
                           route.access == Access::kPersonOrOperator ||
-                          route.access == Access::kResearcher;
+                          route.access == Access::kResearcher || route.access == Access::kArchive;
   return consenting && !is_safe(route.method) && route.method != "DELETE";
 }
 
 tl::unexpected<Problem> consent_needed() {
   return refuse(ProblemKind::kConsentNeeded,
                 "Read the current privacy notice and consent to it to continue.");
+}
+
+Outcome<void> check_archive_access(const Route& route, const Principal& principal) {
+  if (route.access != Access::kArchive || principal.archive_access) return {};
+  return refuse(ProblemKind::kForbidden,
+                "Your account has no access to the hospital's archives. An administrator can give "
+                "it to you.");
 }
 
 /// Returns what follows "Bearer " in the Authorization header, or nothing for another header.
@@ -218,6 +225,7 @@ Outcome<Principal> RequestRouter::identify_bearer(const Route& route, const Requ
   auto principal = options_.tokens->authenticate(bearer, route.operation, renewal);
   DIAPHANE_TRY(principal);
   if (needs_consent(route) && !principal->consented) return consent_needed();
+  DIAPHANE_TRY(check_archive_access(route, *principal));
   return principal;
 }
 
@@ -251,6 +259,7 @@ Outcome<Principal> RequestRouter::identify(const Route& route, const Request& re
     return refuse(ProblemKind::kForbidden,
                   "Only researchers can do this. An administrator can give you the role.");
   }
+  DIAPHANE_TRY(check_archive_access(route, *principal));
   return principal;
 }
 

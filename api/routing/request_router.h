@@ -28,6 +28,7 @@ enum class Access {
   kPerson,            ///< requires the cookie and, except to read and delete, that consent
   kPersonOrOperator,  ///< as kPerson, or requires the sample token
   kResearcher,        ///< as kPerson, and requires the researcher's role
+  kArchive,           ///< as kPerson, and requires access to the hospital's archives
   kAdministrator,     ///< requires the cookie of an administrator
 };
 

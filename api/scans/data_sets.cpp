@@ -196,14 +196,27 @@ Outcome<void> DataSets::note_picture(const Principal& who, const DataSet& data_s
   const ViewRoute route = route_of(who, data_set);
   const auto actor =
       route == ViewRoute::kAdministrator ? AuditActor::kAdministrator : AuditActor::kPerson;
+  return note_access({actor,
+                      who.user_id,
+                      "data-set.picture-looked-at",
+                      "data_set",
+                      data_set.id,
+                      {{"by", std::string(to_string(route))}}});
+}
+
+Outcome<void> DataSets::note_linked_picture(const DataSet& data_set, const std::string& link_id) {
+  if (data_set.is_public) return {};
+  return note_access({AuditActor::kPerson,
+                      "",
+                      "data-set.picture-looked-at",
+                      "data_set",
+                      data_set.id,
+                      {{"by", std::string(to_string(ViewRoute::kLink))}, {"link", link_id}}});
+}
+
+Outcome<void> DataSets::note_access(const AuditEntry& entry) {
   const auto now = clock_.wall();
-  const auto done = store_.note_access({actor,
-                                        who.user_id,
-                                        "data-set.picture-looked-at",
-                                        "data_set",
-                                        data_set.id,
-                                        {{"by", std::string(to_string(route))}}},
-                                       now - kSameView, now);
+  const auto done = store_.note_access(entry, now - kSameView, now);
   if (!done) return refuse(done.error());
   return {};
 }

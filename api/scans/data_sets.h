@@ -61,6 +61,8 @@ class DataSets {
   /// Records in the audit log, at most once per hour, that someone other than the owner got a
   /// thumbnail of a data set that is not public.
   Outcome<void> note_picture(const Principal& who, const DataSet& data_set);
+  /// The same for a visitor with a link.
+  Outcome<void> note_linked_picture(const DataSet& data_set, const std::string& link_id);
   /// Records in the audit log, at most once per hour and format, that the owner downloaded an
   /// export of a data set.
   Outcome<void> note_export_downloaded(const Principal& who, const std::string& id,
@@ -74,6 +76,9 @@ class DataSets {
   const Options& options() const { return options_; }
 
  private:
+  /// Writes to the audit log, at most once per hour for the same entry.
+  Outcome<void> note_access(const AuditEntry& entry);
+
   DataSetStore& store_;
   Placement& placement_;
   const Clock& clock_;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "api/routing/request_router.h"
+#include "api/scans/alignments.h"
 #include "api/scans/anonymise.h"
 #include "api/scans/data_sets.h"
 #include "api/scans/scan_exports.h"
@@ -19,6 +20,7 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails);
 std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets);
 std::vector<Route> label_routes(ScanLabels& labels);
 std::vector<Route> scan_export_routes(ScanExports& exports);
+std::vector<Route> alignment_routes(Alignments& alignments);
 std::vector<Route> anonymise_routes(Anonymise& anonymise);
 
 }  // namespace diaphane::api

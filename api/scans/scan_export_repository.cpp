@@ -67,6 +67,7 @@ Result<ScanExportStore::Request> ScanExportRepository::request(const std::string
         requested.id, user_id, requested.data_set_id, order.format, order.label, order.above,
         order.phase, needed, to_us(requested.created_at), to_us(requested.expires_at));
     if (made.affected_rows() == 0) return Request::kBusy;
+    transaction.exec("NOTIFY ingest_jobs");
     note_in_audit_log(transaction,
                       {AuditActor::kPerson,
                        user_id,

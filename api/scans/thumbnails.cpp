@@ -35,6 +35,14 @@ void remove_outdated(const fs::path& directory) {
   for (const fs::path& path : outdated) fs::remove(path, error);
 }
 
+bool is_look(const std::string& preset) {
+  return std::find(kPresets.begin(), kPresets.end(), preset) != kPresets.end();
+}
+
+tl::unexpected<Problem> no_such_look() {
+  return refuse(ProblemKind::kNotFound, "Preset not found.");
+}
+
 }  // namespace
 
 Thumbnails::Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_directory, int slots,
@@ -47,13 +55,30 @@ Thumbnails::Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_di
 
 Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& data_set_id,
                                      const std::string& preset) {
-  if (std::find(kPresets.begin(), kPresets.end(), preset) == kPresets.end()) {
-    return refuse(ProblemKind::kNotFound, "Preset not found.");
-  }
-  const auto data_set = data_sets_.find_ready(who, data_set_id);
+  if (!is_look(preset)) return no_such_look();
+  const auto find = [&] { return data_sets_.find_ready(who, data_set_id); };
+  const auto data_set = find();
   DIAPHANE_TRY(data_set);
   DIAPHANE_TRY(data_sets_.note_picture(who, *data_set));
-  const std::string path = "thumbnails/" + data_set_id + "/" + preset + std::string(kSuffix);
+  return get(preset, *data_set, find);
+}
+
+Outcome<std::string> Thumbnails::get_with_link(const std::function<Outcome<Linked>()>& follow,
+                                               const std::string& preset) {
+  if (!is_look(preset)) return no_such_look();
+  const auto linked = follow();
+  DIAPHANE_TRY(linked);
+  DIAPHANE_TRY(data_sets_.note_linked_picture(linked->data_set, linked->link_id));
+  return get(preset, linked->data_set, [&]() -> Outcome<DataSet> {
+    auto still = follow();
+    DIAPHANE_TRY(still);
+    return std::move(still->data_set);
+  });
+}
+
+Outcome<std::string> Thumbnails::get(const std::string& preset, const DataSet& data_set,
+                                     const std::function<Outcome<DataSet>()>& find) {
+  const std::string path = "thumbnails/" + data_set.id + "/" + preset + std::string(kSuffix);
 
   {
     std::unique_lock lock(mutex_);
@@ -63,7 +88,7 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
                     "The preview is still being rendered. Please try again in a moment.",
                     std::chrono::seconds(1));
     }
-    if (is_current(path, data_set->anonymised_at)) return path;
+    if (is_current(path, data_set.anonymised_at)) return path;
     if (rendering_.size() >= slots_) {
       return refuse(ProblemKind::kBusy,
                     "The server is rendering other previews. Please try again in a moment.",
@@ -73,7 +98,7 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
   }
   auto rendered = [&]() -> Outcome<void> {
     try {
-      return render(data_set_id, preset, path);
+      return render(data_set.id, preset, path);
     } catch (...) {
       const std::lock_guard lock(mutex_);
       rendering_.erase(path);
@@ -90,10 +115,10 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
 
   // The data set may have been deleted or anonymised during the rendering, and its thumbnails may
   // have been deleted before this file existed.
-  const auto still = data_sets_.find_ready(who, data_set_id);
-  if (!still || still->anonymised_at != data_set->anonymised_at) (void)remove(data_set_id);
+  const auto still = find();
+  if (!still || still->anonymised_at != data_set.anonymised_at) (void)remove(data_set.id);
   DIAPHANE_TRY(still);
-  if (still->anonymised_at != data_set->anonymised_at) {
+  if (still->anonymised_at != data_set.anonymised_at) {
     return refuse(ProblemKind::kBusy, "The scan has changed in the meantime. Please try again.",
                   std::chrono::seconds(1));
   }

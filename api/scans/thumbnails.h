@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -27,10 +28,22 @@ class Thumbnails {
   /// kNotReady, kNoWorker or kBusy.
   Outcome<std::string> get(const Principal& who, const std::string& data_set_id,
                            const std::string& preset);
+  /// A data set that a link leads to, and the ID of the link.
+  struct Linked {
+    DataSet data_set;
+    std::string link_id;
+  };
+  /// The same for a visitor with a link. `follow` returns where the link leads, or a refusal. It is
+  /// called again after a rendering, because the link may have been ended in the meantime.
+  Outcome<std::string> get_with_link(const std::function<Outcome<Linked>()>& follow,
+                                     const std::string& preset);
   /// Deletes all thumbnails of a data set.
   Result<void> remove(const std::string& data_set_id);
 
  private:
+  /// `find` returns the data set that somebody wants to see, or a refusal.
+  Outcome<std::string> get(const std::string& preset, const DataSet& data_set,
+                           const std::function<Outcome<DataSet>()>& find);
   /// Waits while another request renders the thumbnail. Returns false after `patience_`, or if too
   /// many requests wait.
   bool wait_for_render(std::unique_lock<std::mutex>& lock, const std::string& path);

@@ -56,6 +56,34 @@ TEST_F(ThumbnailsTest, APictureOfAScanThatIsNotPublicIsInTheAuditLog) {
   EXPECT_EQ(refusal(thumbnails.get(shared, id, "bone")), ProblemKind::kUnavailable);
 }
 
+TEST_F(ThumbnailsTest, AVisitorWithALinkGetsThumbnailsWhileItLeadsThere) {
+  const auto leads = [&]() -> Outcome<Thumbnails::Linked> {
+    auto found = data_sets.find_ready(shared, id);
+    DIAPHANE_TRY(found);
+    return Thumbnails::Linked{*found, "link-id"};
+  };
+  EXPECT_EQ(thumbnails.get_with_link(leads, "bone").value(), path_of("bone"));
+  ASSERT_EQ(data_set_store.accesses.size(), 1u);
+  EXPECT_EQ(data_set_store.accesses[0].action, "data-set.picture-looked-at");
+  EXPECT_EQ(data_set_store.accesses[0].actor_id, "");
+  EXPECT_EQ(details_as_json(data_set_store.accesses[0].details),
+            R"({"by":"link","link":"link-id"})");
+  EXPECT_EQ(refusal(thumbnails.get_with_link(leads, "none")), ProblemKind::kNotFound);
+
+  const auto ended = []() -> Outcome<Thumbnails::Linked> {
+    return refuse(ProblemKind::kNotFound, "No such link.");
+  };
+  EXPECT_EQ(refusal(thumbnails.get_with_link(ended, "bone")), ProblemKind::kNotFound);
+  int calls = 0;  // the link ends while the thumbnail is rendered
+  const auto ends = [&] { return ++calls == 1 ? leads() : ended(); };
+  EXPECT_EQ(refusal(thumbnails.get_with_link(ends, "skin")), ProblemKind::kNotFound);
+  EXPECT_EQ(calls, 2);
+  expose(Exposure::kPublic);
+  data_set_store.accesses.clear();
+  EXPECT_TRUE(thumbnails.get_with_link(leads, "bone"));
+  EXPECT_TRUE(data_set_store.accesses.empty());
+}
+
 TEST_F(ThumbnailsTest, AThumbnailIsRenderedOnceForEachPreset) {
   const auto presets = {"skin",    "muscle", "vessels", "bone",
                         "through", "dense",  "airways", "brain"};

@@ -11,7 +11,10 @@ nlohmann::ordered_json to_json(const Sessions::Stream& stream) {
 }
 
 nlohmann::ordered_json to_json(const SessionInfo& session) {
-  return {{"session_id", session.id}, {"data_set_id", session.data_set_id}};
+  nlohmann::ordered_json json{
+      {"session_id", session.id}, {"data_set_id", session.data_set_id}, {"over", nullptr}};
+  if (!session.over.empty()) json["over"] = session.over;
+  return json;
 }
 
 nlohmann::ordered_json to_json(const ErrorCurve& curve) {
@@ -40,8 +43,10 @@ std::vector<Route> session_routes(Sessions& sessions) {
     DIAPHANE_TRY(key);
     Fields in(request);
     const std::string data_set_id = in.text("data_set_id", 1, 64);
+    const std::string over = in.is_null("over") ? "" : in.text_or("over", "", 64);
+    if (!over.empty() && over == data_set_id) in.wrong("over", "must be another scan");
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto stream = sessions.open(who, data_set_id, *key);
+    const auto stream = sessions.open(who, data_set_id, over, *key);
     DIAPHANE_TRY(stream);
     return json_response(201, to_json(*stream))
         .with("Location", "/v1/sessions/" + stream->session_id);

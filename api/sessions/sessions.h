@@ -20,21 +20,28 @@ class Sessions {
     std::string stream_url;  ///< path and query on the page's origin; works once, within 30 s
   };
 
+  /// Returns how the second of two data sets lies in the space of the first, as in
+  /// PlaceRequest::to_first, or kNotAligned.
+  using Motion = std::function<Outcome<std::string>(const Principal& who, const std::string& first,
+                                                    const std::string& second)>;
+
   /// `first_scene` returns the initial scene of a new session on a data set (PlaceRequest).
   Sessions(DataSets& data_sets, Placement& placement, RenderTime& render_time,
            ErrorCurves& error_curves,
-           std::function<std::string(const std::string& data_set_id)> first_scene)
+           std::function<std::string(const std::string& data_set_id)> first_scene, Motion motion)
       : data_sets_(data_sets),
         placement_(placement),
         render_time_(render_time),
         error_curves_(error_curves),
-        first_scene_(std::move(first_scene)) {}
+        first_scene_(std::move(first_scene)),
+        motion_(std::move(motion)) {}
 
-  /// Opens a session on a data set. Returns kNotFound or kNotReady (the data set), kNoWorker,
-  /// kUnavailable (Redis), kTooMany, kRenderTimeSpent, kIdempotencyKeyReused, or kUnauthenticated
-  /// if the browser was signed out in the meantime.
+  /// Opens a session on a data set. `over` is the data set that it shows over this one, or empty.
+  /// Returns kNotFound or kNotReady (the data sets), kNotAligned, kInvalid, kNoWorker, kUnavailable
+  /// (Redis), kTooMany, kRenderTimeSpent, kIdempotencyKeyReused, or kUnauthenticated if the browser
+  /// was signed out in the meantime.
   Outcome<Stream> open(const Principal& who, const std::string& data_set_id,
-                       const std::string& idempotency_key);
+                       const std::string& over, const std::string& idempotency_key);
   Outcome<std::vector<SessionInfo>> list(const Principal& who);
   /// Returns the user's session. Returns kNotFound also for another user's session.
   Outcome<SessionInfo> find(const Principal& who, const std::string& id);
@@ -46,14 +53,22 @@ class Sessions {
   Outcome<ErrorCurve> error_curve(const Principal& who, const std::string& id);
 
  private:
-  Outcome<Stream> place(const Principal& who, const std::string& session_id,
-                        const DataSet& data_set);
+  /// The data sets of a session, which the user may view: one, or two.
+  using Shown = std::vector<DataSet>;
+
+  Outcome<Shown> find_shown(const Principal& who, const std::string& data_set_id,
+                            const std::string& over);
+  Outcome<Stream> place(const Principal& who, const std::string& session_id, const Shown& shown,
+                        const std::string& to_first);
+  Outcome<void> check_and_note(const Principal& who, const std::string& session_id,
+                               const Shown& shown);
 
   DataSets& data_sets_;
   Placement& placement_;
   RenderTime& render_time_;
   ErrorCurves& error_curves_;
   const std::function<std::string(const std::string&)> first_scene_;
+  const Motion motion_;
 };
 
 }  // namespace diaphane::api

@@ -15,12 +15,18 @@ class SessionsTest : public DataSetFixture {
   FakeSpentRenderTime spent;
   RenderTime render_time{render_time_store, spent, placement, clock};
   FakeErrorCurves error_curves;
-  Sessions sessions{data_sets, placement, render_time, error_curves,
-                    [](const std::string& data_set_id) { return "scene of " + data_set_id; }};
+  Outcome<std::string> motion;
+  Sessions sessions{
+      data_sets,
+      placement,
+      render_time,
+      error_curves,
+      [](const std::string& data_set_id) { return "scene of " + data_set_id; },
+      [this](const Principal&, const std::string&, const std::string&) { return motion; }};
 };
 
 TEST_F(SessionsTest, OpenPassesTheScanItsFirstSceneAndTheBrowser) {
-  const auto opened = sessions.open(owner, id, "");
+  const auto opened = sessions.open(owner, id, "", "");
   ASSERT_TRUE(opened);
   EXPECT_TRUE(is_id(opened->session_id));
   EXPECT_EQ(opened->stream_url, "/stream?ticket=ticket1");
@@ -36,7 +42,7 @@ TEST_F(SessionsTest, OpenPassesTheScanItsFirstSceneAndTheBrowser) {
 
 TEST_F(SessionsTest, OnlyThoseWhoMayViewAScanOpenASessionOnIt) {
   expect_permission(Action::kLook,
-                    [&](const Principal& who) { return refusal(sessions.open(who, id, "")); });
+                    [&](const Principal& who) { return refusal(sessions.open(who, id, "", "")); });
 }
 
 TEST_F(SessionsTest, TheWorkerLearnsHowTheViewerIsRelatedToTheScan) {
@@ -46,7 +52,7 @@ TEST_F(SessionsTest, TheWorkerLearnsHowTheViewerIsRelatedToTheScan) {
                                      std::pair(Role::kSharedEdit, SessionViewer::kShared),
                                      std::pair(Role::kOther, SessionViewer::kPublic),
                                      std::pair(Role::kAdministrator, SessionViewer::kPublic)}) {
-    ASSERT_TRUE(sessions.open(as(role), id, ""));
+    ASSERT_TRUE(sessions.open(as(role), id, "", ""));
     EXPECT_EQ(placement.requests.back().viewer, viewer) << to_string(role);
   }
 }
@@ -60,7 +66,7 @@ TEST_F(SessionsTest, EachViewIsRecordedWithItsRoute) {
                                     std::pair(Role::kAdministrator, ViewRoute::kAdministrator)}) {
     Principal who = as(role);
     who.client = {"203.0.113.77", "Firefox on Windows"};
-    const auto opened = sessions.open(who, id, "");
+    const auto opened = sessions.open(who, id, "", "");
     ASSERT_TRUE(opened);
     const View& view = data_set_store.noted_views.back();
     EXPECT_EQ(view.route, route) << to_string(role);
@@ -75,16 +81,16 @@ TEST_F(SessionsTest, EachViewIsRecordedWithItsRoute) {
 
 TEST_F(SessionsTest, AScanIsNotShownUnlessTheViewIsRecorded) {
   data_set_store.break_function("note_view");
-  EXPECT_EQ(refusal(sessions.open(shared, id, "")), ProblemKind::kUnavailable);
+  EXPECT_EQ(refusal(sessions.open(shared, id, "", "")), ProblemKind::kUnavailable);
   expose(Exposure::kSample);
-  EXPECT_TRUE(sessions.open(shared, id, "")) << "nobody owns a sample";
+  EXPECT_TRUE(sessions.open(shared, id, "", "")) << "nobody owns a sample";
   EXPECT_TRUE(data_set_store.noted_views.empty());
 }
 
 TEST_F(SessionsTest, SlicesAndDownloadsAreThoseThatTheOwnerAllows) {
   // Returns whether slices and downloads are allowed, as two digits.
   const auto allowed = [&](const Principal& who) {
-    EXPECT_TRUE(sessions.open(who, id, ""));
+    EXPECT_TRUE(sessions.open(who, id, "", ""));
     const PlaceRequest& request = placement.requests.back();
     return std::to_string(int{request.slices}) + std::to_string(int{request.downloads});
   };
@@ -112,38 +118,40 @@ TEST_F(SessionsTest, SlicesAndDownloadsAreThoseThatTheOwnerAllows) {
 TEST_F(SessionsTest, PermissionsWithdrawnDuringThePlacementDoNotApply) {
   scan().to_person = {true, true};
   placement.before("place", [&] { scan().to_person.downloads = false; });
-  EXPECT_EQ(refusal(sessions.open(shared, id, "")), ProblemKind::kBusy);
+  EXPECT_EQ(refusal(sessions.open(shared, id, "", "")), ProblemKind::kBusy);
   EXPECT_EQ(placement.ended.size(), 1u);
-  EXPECT_TRUE(sessions.open(shared, id, ""));
+  EXPECT_TRUE(sessions.open(shared, id, "", ""));
   EXPECT_FALSE(placement.requests.back().downloads);
 }
 
 TEST_F(SessionsTest, AScanThatIsNotReadyHasNoSessions) {
   scan().state = DataSetState::kBuilding;
-  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kNotReady);
+  EXPECT_EQ(refusal(sessions.open(owner, id, "", "")), ProblemKind::kNotReady);
   EXPECT_TRUE(placement.requests.empty());
 }
 
 TEST_F(SessionsTest, RefusesSessionsWithoutRenderingTime) {
   render_time_store.accounts[owner.user_id] = {.quota_ms = 1000, .used_ms = 1000};
-  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kRenderTimeSpent);
+  EXPECT_EQ(refusal(sessions.open(owner, id, "", "")), ProblemKind::kRenderTimeSpent);
   EXPECT_TRUE(placement.requests.empty());
 }
 
 TEST_F(SessionsTest, ARepeatedRequestWithItsKeyOpensTheSameSession) {
-  const auto first = sessions.open(owner, id, "key");
-  const auto again = sessions.open(owner, id, "key");
+  const auto first = sessions.open(owner, id, "", "key");
+  const auto again = sessions.open(owner, id, "", "key");
   ASSERT_TRUE(first && again);
   EXPECT_EQ(again->session_id, first->session_id);
   EXPECT_NE(again->stream_url, first->stream_url) << "a ticket works once";
-  EXPECT_NE(sessions.open(owner, id, "other key")->session_id, first->session_id);
-  EXPECT_NE(sessions.open(owner, id, "")->session_id, sessions.open(owner, id, "")->session_id);
+  EXPECT_NE(sessions.open(owner, id, "", "other key")->session_id, first->session_id);
+  EXPECT_NE(sessions.open(owner, id, "", "")->session_id,
+            sessions.open(owner, id, "", "")->session_id);
 }
 
 TEST_F(SessionsTest, RefusesAKeyReusedForAnotherScanOrUser) {
-  const auto first = sessions.open(owner, id, "key");
-  EXPECT_EQ(refusal(sessions.open(owner, add_scan(), "key")), ProblemKind::kIdempotencyKeyReused);
-  const auto other = sessions.open(shared, id, "key");
+  const auto first = sessions.open(owner, id, "", "key");
+  EXPECT_EQ(refusal(sessions.open(owner, add_scan(), "", "key")),
+            ProblemKind::kIdempotencyKeyReused);
+  const auto other = sessions.open(shared, id, "", "key");
   ASSERT_TRUE(other);
   EXPECT_NE(other->session_id, first->session_id);
 }
@@ -156,25 +164,25 @@ TEST_F(SessionsTest, EachPlacementFailureHasItsOwnError) {
         std::pair(ErrorCode::kTooMany, ProblemKind::kTooMany),
         std::pair(ErrorCode::kInternal, ProblemKind::kInternal)}) {
     placement.break_function("place", code);
-    EXPECT_EQ(refusal(sessions.open(owner, id, "")), kind);
+    EXPECT_EQ(refusal(sessions.open(owner, id, "", "")), kind);
   }
   placement.break_function("place");
-  EXPECT_EQ(sessions.open(owner, id, "").error().retry_after, 2s);
+  EXPECT_EQ(sessions.open(owner, id, "", "").error().retry_after, 2s);
   placement.is_reachable = false;
-  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kUnavailable)
+  EXPECT_EQ(refusal(sessions.open(owner, id, "", "")), ProblemKind::kUnavailable)
       << "without Redis, nobody knows whether there are workers";
 }
 
 TEST_F(SessionsTest, SessionEndsIfAccessWasWithdrawnDuringPlacement) {
   placement.before("place", [&] { data_set_store.data_sets.erase(id); });
-  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kNotFound);
+  EXPECT_EQ(refusal(sessions.open(owner, id, "", "")), ProblemKind::kNotFound);
   ASSERT_EQ(placement.requests.size(), 1u);
   EXPECT_EQ(placement.ended, std::vector{placement.requests[0].session_id});
 }
 
 TEST_F(SessionsTest, AListHasTheSessionsOfItsUserOnly) {
-  const std::string mine = sessions.open(owner, id, "")->session_id;
-  ASSERT_TRUE(sessions.open(shared, id, ""));
+  const std::string mine = sessions.open(owner, id, "", "")->session_id;
+  ASSERT_TRUE(sessions.open(shared, id, "", ""));
   const auto found = sessions.list(owner);
   ASSERT_TRUE(found);
   ASSERT_EQ(found->size(), 1u);
@@ -182,7 +190,7 @@ TEST_F(SessionsTest, AListHasTheSessionsOfItsUserOnly) {
 }
 
 TEST_F(SessionsTest, SessionsOfOthersAreNotFound) {
-  const std::string mine = sessions.open(owner, id, "")->session_id;
+  const std::string mine = sessions.open(owner, id, "", "")->session_id;
   EXPECT_EQ(sessions.find(owner, mine)->data_set_id, id);
   for (const std::string& other : {std::string("no id"), new_id()}) {
     EXPECT_EQ(refusal(sessions.find(owner, other)), ProblemKind::kNotFound);
@@ -198,7 +206,7 @@ TEST_F(SessionsTest, SessionsOfOthersAreNotFound) {
 }
 
 TEST_F(SessionsTest, ErrorCurveComesFromTheWorkerOfTheSession) {
-  const std::string session = sessions.open(owner, id, "")->session_id;
+  const std::string session = sessions.open(owner, id, "", "")->session_id;
   const auto before = sessions.error_curve(owner, session);
   ASSERT_TRUE(before);
   EXPECT_TRUE(before->points.empty()) << "nothing was rendered yet";
@@ -215,7 +223,7 @@ TEST_F(SessionsTest, ErrorCurveComesFromTheWorkerOfTheSession) {
 }
 
 TEST_F(SessionsTest, TicketKeepsTheSessionOnAnyWorker) {
-  const auto opened = sessions.open(owner, id, "");
+  const auto opened = sessions.open(owner, id, "", "");
   const auto again = sessions.ticket(owner, opened->session_id);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->session_id, opened->session_id);
@@ -223,7 +231,7 @@ TEST_F(SessionsTest, TicketKeepsTheSessionOnAnyWorker) {
 }
 
 TEST_F(SessionsTest, RefusesTicketsForMissingOrUnfinishedScans) {
-  const std::string session = sessions.open(owner, id, "")->session_id;
+  const std::string session = sessions.open(owner, id, "", "")->session_id;
   scan().state = DataSetState::kQueued;
   EXPECT_EQ(refusal(sessions.ticket(owner, session)), ProblemKind::kNotReady);
   data_set_store.data_sets.erase(id);
@@ -234,18 +242,18 @@ TEST_F(SessionsTest, RefusesTicketsForMissingOrUnfinishedScans) {
 }
 
 TEST_F(SessionsTest, OpenSessionContinuesDuringTheGracePeriod) {
-  const std::string session = sessions.open(owner, id, "")->session_id;
+  const std::string session = sessions.open(owner, id, "", "")->session_id;
   render_time_store.accounts[owner.user_id] = {
       .quota_ms = 1000, .used_ms = 1000, .warned_at = clock.wall()};
-  EXPECT_EQ(refusal(sessions.open(owner, id, "")), ProblemKind::kRenderTimeSpent);
+  EXPECT_EQ(refusal(sessions.open(owner, id, "", "")), ProblemKind::kRenderTimeSpent);
   EXPECT_TRUE(sessions.ticket(owner, session));
   clock.advance(2min);
   EXPECT_EQ(refusal(sessions.ticket(owner, session)), ProblemKind::kRenderTimeSpent);
 }
 
 TEST_F(SessionsTest, ReportsAnUnavailableStore) {
-  const std::string session = sessions.open(owner, id, "")->session_id;
-  const auto open = [&] { return refusal(sessions.open(owner, id, "key")); };
+  const std::string session = sessions.open(owner, id, "", "")->session_id;
+  const auto open = [&] { return refusal(sessions.open(owner, id, "", "key")); };
   const auto ticket = [&] { return refusal(sessions.ticket(owner, session)); };
   placement.is_reachable = false;
   expect_unavailable({
@@ -261,6 +269,50 @@ TEST_F(SessionsTest, ReportsAnUnavailableStore) {
       {render_time_store, "account", ticket},
       {placement, "place", ticket},
   });
+}
+
+TEST_F(SessionsTest, ASecondScanComesWithItsMotion) {
+  const std::string other = add_scan();
+  motion = "1 0 0";
+  const auto opened = sessions.open(owner, id, other, "key");
+  ASSERT_TRUE(opened);
+  const PlaceRequest& request = placement.requests.back();
+  EXPECT_EQ(request.data_set_id, id);
+  EXPECT_EQ(request.over, other);
+  EXPECT_EQ(request.to_first, "1 0 0");
+  EXPECT_EQ(data_set_store.noted_views.size(), 2u) << "both scans were viewed";
+  EXPECT_EQ(sessions.find(owner, opened->session_id)->over, other);
+  EXPECT_EQ(sessions.open(owner, id, other, "key")->session_id, opened->session_id);
+  EXPECT_EQ(refusal(sessions.open(owner, id, "", "key")), ProblemKind::kIdempotencyKeyReused);
+  motion = refuse(ProblemKind::kNotAligned, "");
+  EXPECT_EQ(refusal(sessions.open(owner, id, other, "")), ProblemKind::kNotAligned);
+  EXPECT_TRUE(sessions.ticket(owner, opened->session_id)) << "the session keeps its motion";
+}
+
+TEST_F(SessionsTest, BothScansOfASessionMustBeVisible) {
+  const std::string other = add_scan();
+  EXPECT_EQ(refusal(sessions.open(shared, id, other, "")), ProblemKind::kNotFound);
+  EXPECT_EQ(refusal(sessions.open(shared, other, id, "")), ProblemKind::kNotFound);
+  data_set_store.roles[{"shared-view", other}] = Role::kSharedView;
+  const auto opened = sessions.open(shared, id, other, "");
+  ASSERT_TRUE(opened);
+  EXPECT_TRUE(sessions.ticket(shared, opened->session_id));
+  data_set_store.roles.erase({"shared-view", other});
+  EXPECT_EQ(refusal(sessions.ticket(shared, opened->session_id)), ProblemKind::kNotFound);
+}
+
+TEST_F(SessionsTest, OfTwoScansAViewerMayDoWhatBothAllow) {
+  const std::string other = add_scan();
+  const std::string who = shared.user_id;
+  data_set_store.roles[{who, id}] = Role::kOwner;
+  data_set_store.roles[{who, other}] = Role::kSharedView;
+  data_set_store.data_sets[other].to_person = {.slices = true, .downloads = false};
+  for (const auto& [first, second] : {std::pair(id, other), std::pair(other, id)}) {
+    ASSERT_TRUE(sessions.open(shared, first, second, ""));
+    EXPECT_EQ(placement.requests.back().viewer, SessionViewer::kShared);
+    EXPECT_TRUE(placement.requests.back().slices);
+    EXPECT_FALSE(placement.requests.back().downloads);
+  }
 }
 
 }  // namespace

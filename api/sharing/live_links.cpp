@@ -1,5 +1,7 @@
 #include "api/sharing/live_links.h"
 
+#include <algorithm>
+
 #include "api/shared/secrets.h"
 #include "common/ids.h"
 #include "common/try.h"
@@ -13,18 +15,24 @@ tl::unexpected<Problem> no_own_session() {
   return refuse(ProblemKind::kNotFound, "Session not found.");
 }
 
+/// Returns the data sets that a session shows.
+std::vector<std::string> shown_by(const SessionInfo& session) {
+  if (session.over.empty()) return {session.data_set_id};
+  return {session.data_set_id, session.over};
+}
+
 tl::unexpected<Problem> no_such_live_link() {
   return refuse(ProblemKind::kNotFound, "This link is invalid or has been disabled.");
 }
 
 }  // namespace
 
-Outcome<std::string> LiveLinks::check_owner(const Principal& who, const std::string& session_id) {
+Outcome<SessionInfo> LiveLinks::check_owner(const Principal& who, const std::string& session_id) {
   if (!is_id(session_id)) return no_own_session();
   const auto session = placement_.find(session_id);
   if (!session && session.error().code != ErrorCode::kNotFound) return refuse(session.error());
   if (!session || session->user_id != who.user_id) return no_own_session();
-  return session->data_set_id;
+  return *session;
 }
 
 Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& session_id,
@@ -32,10 +40,16 @@ Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& se
   const auto mine = check_owner(who, session_id);
   DIAPHANE_TRY(mine);
   // People with whom a scan is shared must not share it further.
-  const auto data_set = data_sets_.authorise(who, *mine, Action::kInvite);
-  DIAPHANE_TRY(data_set);
-  if (slices && !data_set->allowed().slices) {
-    return refuse_field("slices", "The owner of this scan has not shared its slices.");
+  for (const std::string& id : shown_by(*mine)) {
+    const auto data_set = data_sets_.authorise(who, id, Action::kInvite);
+    if (!data_set && data_set.error().kind == ProblemKind::kForbidden && !mine->over.empty()) {
+      return refuse(ProblemKind::kForbidden,
+                    "You can invite others only if you may do so for both scans.");
+    }
+    DIAPHANE_TRY(data_set);
+    if (slices && !data_set->allowed().slices) {
+      return refuse_field("slices", "The owner of this scan has not shared its slices.");
+    }
   }
   std::string token = token_for("live link\n" + session_id, once);
   const auto made = links_.make(session_id, who.user_id, blake2b(token), slices);
@@ -50,8 +64,10 @@ Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& se
                   "This Idempotency-Key was already used with a different request.");
   }
   if (!made) return refuse(made.error());
-  DIAPHANE_TRY(data_sets_.note_live_links(who, *mine, "data-set.live-link-made",
-                                          {{"slices", std::int64_t{slices}}}));
+  for (const std::string& id : shown_by(*mine)) {
+    DIAPHANE_TRY(data_sets_.note_live_links(who, id, "data-set.live-link-made",
+                                            {{"slices", std::int64_t{slices}}}));
+  }
   return token;
 }
 
@@ -59,7 +75,28 @@ Outcome<void> LiveLinks::end(const Principal& who, const std::string& session_id
   const auto mine = check_owner(who, session_id);
   DIAPHANE_TRY(mine);
   if (auto done = links_.end_links(session_id); !done) return refuse(done.error());
-  return data_sets_.note_live_links(who, *mine, "data-set.live-links-ended");
+  for (const std::string& id : shown_by(*mine)) {
+    DIAPHANE_TRY(data_sets_.note_live_links(who, id, "data-set.live-links-ended"));
+  }
+  return {};
+}
+
+Outcome<std::vector<DataSet>> LiveLinks::find_shown(const SessionInfo& session) {
+  // If the owner has lost access to a data set, guests must not see it either.
+  Principal owner;
+  owner.user_id = session.user_id;
+  std::vector<DataSet> shown;
+  for (const std::string& id : shown_by(session)) {
+    auto data_set = data_sets_.find_ready(owner, id);
+    if (!data_set) {
+      const ProblemKind kind = data_set.error().kind;
+      if (kind == ProblemKind::kNotFound || kind == ProblemKind::kNotReady)
+        return no_such_live_link();
+      return tl::unexpected(data_set.error());
+    }
+    shown.push_back(*std::move(data_set));
+  }
+  return shown;
 }
 
 Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::string& key,
@@ -79,21 +116,15 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
     return refuse(ProblemKind::kTooManyAttempts,
                   "Too many people are joining from your network. Try again later.", **wait);
   }
-  // If the owner has lost access to the data set, guests must not see it either.
-  Principal owner;
-  owner.user_id = session->user_id;
-  const auto data_set = data_sets_.find_ready(owner, session->data_set_id);
-  if (!data_set) {
-    const ProblemKind kind = data_set.error().kind;
-    if (kind == ProblemKind::kNotFound || kind == ProblemKind::kNotReady)
-      return no_such_live_link();
-    return tl::unexpected(data_set.error());
-  }
+  const auto shown = find_shown(*session);
+  DIAPHANE_TRY(shown);
 
   const std::string participant = id_from("participant\n" + session->id + "\n" + key);
   PlaceRequest request{session->id, session->user_id, session->data_set_id, participant, name,
                        hash};
-  request.slices = target->slices && data_set->allowed().slices;
+  request.slices =
+      target->slices && std::all_of(shown->begin(), shown->end(),
+                                    [](const DataSet& one) { return one.allowed().slices; });
   // If the owner has left and the session has lost its slot, the session takes a slot of the
   // visitors' share.
   request.visitor = true;
@@ -106,10 +137,11 @@ Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::
                   std::chrono::seconds(30));
   }
   if (placed) {
-    // Views of a sample are not recorded, because it is public and has no owner.
-    if (!data_set->is_sample) {
+    for (const DataSet& data_set : *shown) {
+      // Views of a sample are not recorded, because it is public and has no owner.
+      if (data_set.is_sample) continue;
       const View view{ViewRoute::kLiveLink, participant, "", client};
-      DIAPHANE_TRY(data_sets_.note_view(data_set->id, view));
+      DIAPHANE_TRY(data_sets_.note_view(data_set.id, view));
     }
     return Joined{participant, "/stream?ticket=" + placed->ticket};
   }

@@ -52,8 +52,10 @@ class LiveLinks {
                        const Client& client);
 
  private:
-  /// Returns the data set of the session, or kNotFound if the session belongs to someone else.
-  Outcome<std::string> check_owner(const Principal& who, const std::string& session_id);
+  /// Returns the data sets of a session that its owner may still view, or kNotFound.
+  Outcome<std::vector<DataSet>> find_shown(const SessionInfo& session);
+  /// Returns the session, or kNotFound if the session belongs to someone else.
+  Outcome<SessionInfo> check_owner(const Principal& who, const std::string& session_id);
 
   DataSets& data_sets_;
   Placement& placement_;

@@ -21,8 +21,8 @@ class FakeLinkStore final : public LinkStore, public Fake {
   Result<void> make(std::string_view session_id, std::string_view user_id, std::string_view hash,
                     bool slices) override {
     DIAPHANE_TRY(enter("make"));
-    links[std::string(hash)] = {{std::string(session_id), std::string(user_id), data_set_id, ""},
-                                slices};
+    links[std::string(hash)] = {
+        {std::string(session_id), std::string(user_id), data_set_id, "", "", over}, slices};
     return {};
   }
   Result<Target> follow(std::string_view hash) override {
@@ -38,7 +38,7 @@ class FakeLinkStore final : public LinkStore, public Fake {
     return {};
   }
 
-  std::string data_set_id;
+  std::string data_set_id, over;
 };
 
 class LiveLinksTest : public DataSetFixture {
@@ -256,6 +256,21 @@ TEST_F(LiveLinksTest, ReportsAnUnavailableStore) {
       {accounts, "note_attempt", [&] { return refusal(join(token)); }},
       {data_set_store, "find", [&] { return refusal(join(token)); }},
   });
+}
+
+TEST_F(LiveLinksTest, GuestsSeeTwoScansOnlyIfTheirHostMayInviteToBoth) {
+  const std::string other = add_scan();
+  placement.sessions[session].over = other;
+  links.over = other;
+  const std::string token = make_link();
+  ASSERT_TRUE(join(token));
+  EXPECT_EQ(data_set_store.noted_views.size(), 2u) << "both scans were viewed";
+  // A host with whom the second scan is shared must not share it further.
+  data_set_store.roles[{"owner", other}] = Role::kSharedView;
+  EXPECT_EQ(refusal(live.make(owner, session, false, {})), ProblemKind::kForbidden);
+  data_set_store.roles.erase({"owner", other});
+  EXPECT_EQ(refusal(live.make(owner, session, false, {})), ProblemKind::kNotFound);
+  EXPECT_EQ(refusal(join(token)), ProblemKind::kNotFound) << "the host has lost the second scan";
 }
 
 }  // namespace

@@ -206,7 +206,7 @@ std::vector<Route> sharing_routes(Sharing& sharing, const RequestRouter& router)
   return routes;
 }
 
-std::vector<Route> visit_routes(Visits& visits) {
+std::vector<Route> visit_routes(Visits& visits, Thumbnails& thumbnails) {
   const auto follow = [&visits](const Request& request, const Principal&) -> Outcome<Response> {
     Fields in(request);
     const std::string token = in.text("token", 64, 64);
@@ -215,6 +215,20 @@ std::vector<Route> visit_routes(Visits& visits) {
     DIAPHANE_TRY(found);
     return json_response(200, {{"data_set", api::to_json(found->data_set)},
                                {"expires_at", rfc3339(found->link.expires_at)}});
+  };
+  const auto thumbnail = [&visits, &thumbnails](const Request& request,
+                                                const Principal&) -> Outcome<Response> {
+    Fields in(request);
+    const std::string token = in.text("token", 64, 64);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto linked = [&]() -> Outcome<Thumbnails::Linked> {
+      auto found = visits.follow(token);
+      DIAPHANE_TRY(found);
+      return Thumbnails::Linked{std::move(found->data_set), std::move(found->link.id)};
+    };
+    const auto path = thumbnails.get_with_link(linked, request.parameter("preset"));
+    DIAPHANE_TRY(path);
+    return cached_picture(*path);
   };
   const auto open = [&visits](const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
@@ -233,6 +247,12 @@ std::vector<Route> visit_routes(Visits& visits) {
   };
   return {
       {"POST", "/v1/follow", "followLink", Access::kAnyone, follow, {}},
+      {"POST",
+       "/v1/follow/thumbnails/{preset}",
+       "followLinkThumbnail",
+       Access::kAnyone,
+       thumbnail,
+       {}},
       {"POST", "/v1/visits", "createVisit", Access::kAnyone, open, {}},
   };
 }

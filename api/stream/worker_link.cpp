@@ -1,5 +1,7 @@
 #include "api/stream/worker_link.h"
 
+#include <locale>
+#include <sstream>
 #include <utility>
 
 namespace diaphane::api::stream {
@@ -59,6 +61,12 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
   open.set_downloads(attachment.downloads);
   open.set_guest_slices(attachment.guest_slices);
   open.set_visitor(attachment.visitor);
+  if (!attachment.session.over.empty()) {
+    open.mutable_second()->set_volume_id(attachment.session.over);
+    std::istringstream motion(attachment.to_first);
+    motion.imbue(std::locale::classic());
+    for (double number = 0; motion >> number;) open.mutable_second()->add_to_first(number);
+  }
   link->self_ = link;
   link->reading_ = true;
   link->writing_ = true;

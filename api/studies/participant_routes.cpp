@@ -13,7 +13,6 @@ namespace {
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 2> kLanguages{"en", "de"};
 constexpr std::int64_t kLongestStepMs = 86'400'000;
 constexpr std::int64_t kMostSequence = kSeeds - 1;
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <string_view>
 #include <vector>
 
 #include "api/routing/request_router.h"
@@ -9,6 +11,9 @@
 /// The operations of api/openapi.yaml for this feature. Arguments passed by reference must outlive
 /// the routes.
 namespace diaphane::api {
+
+/// The languages in which people take part.
+inline constexpr std::array<std::string_view, 2> kLanguages{"en", "de"};
 
 std::vector<Route> study_routes(Studies& studies, Participations& participations,
                                 const Clock& clock);

@@ -10,8 +10,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 2> kStates{"open", "closed"}, kFormats{"json", "csv"},
-    kLanguages{"en", "de"};
+constexpr std::array<std::string_view, 2> kStates{"open", "closed"}, kFormats{"json", "csv"};
 constexpr std::int64_t kMostPictureUpload = 524'288;
 constexpr int kMostListed = 100;
 

@@ -11,6 +11,7 @@
 #include "common/config.h"
 #include "ingest/body/brain.h"
 #include "ingest/body/label_body.h"
+#include "ingest/body/structures.h"
 #include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
 #include "tests/support/ingest/phantoms.h"
@@ -24,12 +25,14 @@ constexpr int kExitNoOutput = 73;  // EX_CANTCREAT
 
 constexpr const char* kUsage =
     "diaphane-labels [--phantoms] [--large] [--write FOLDER] SCAN...\n\n"
-    "Labels the body, its support (table, headrest, frame), metal and brain in each scan: an image "
-    "file\n"
-    "(.nii, .nii.gz, .nrrd, .mha, .mhd) or a folder with a DICOM series. Prints one line of JSON\n"
+    "Labels the body, its support (table, headrest, frame), metal and the parts of the body that\n"
+    "ingest finds in each scan: an image file (.nii, .nii.gz, .nrrd, .mha, .mhd) or a folder with "
+    "a\n"
+    "DICOM series. Prints one line of JSON\n"
     "per scan: {\"name\", \"size\", \"spacing\", \"axes\", \"shares\": [outside, body, support,\n"
-    "metal, brain], \"build_s\", \"label_s\", \"brain_s\", \"kept\", \"hidden\"}. The last "
-    "two are for phantoms only.\n\n"
+    "metal, brain, bone, lungs, airways, vessels], \"build_s\", \"label_s\", \"brain_s\", "
+    "\"parts_s\",\n"
+    "\"kept\", \"hidden\"}. The last two are for phantoms only.\n\n"
     "  --phantoms       also label all phantoms\n"
     "  --large          also label the large phantoms, which serve to measure times\n"
     "  --write FOLDER   write values (NAME.i16) and encoded labels (NAME.labels), one byte per\n"
@@ -74,7 +77,10 @@ Labelled label(const std::string& name, const volume::Volume& volume) {
   const double labelled = processor_time();
   ingest::mark_brain(volume, result.labels);
   result.line["brain_s"] = processor_time() - labelled;
-  std::array<double, 5> shares{};
+  const double with_brain = processor_time();
+  ingest::mark_structures(volume, result.labels);
+  result.line["parts_s"] = processor_time() - with_brain;
+  std::array<double, static_cast<std::size_t>(volume::kLastLabel) + 1> shares{};
   for (const std::uint8_t one : result.labels.voxels) ++shares[one];
   for (double& share : shares) share /= static_cast<double>(volume.voxels.size());
   result.line["shares"] = shares;

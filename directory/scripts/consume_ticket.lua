@@ -2,8 +2,8 @@
 --
 -- ARGV: ticket, reservation ms, session s
 -- Returns {"attach", session, user, data set, worker, address, incarnation, placement, scene, input seq, width, height,
--- presenter, participant, name, link, viewer, slices, guest slices, visitor, downloads}, or {why}: "unknown" (ticket), "gone"
--- (session), "worker_lost" (ask for a new ticket).
+-- presenter, participant, name, link, viewer, slices, guest slices, visitor, downloads, over, to first}, or {why}: "unknown"
+-- (ticket), "gone" (session), "worker_lost" (ask for a new ticket).
 
 local ticket_key = keys.ticket(ARGV[1])
 local ticket = redis.call('HMGET', ticket_key, 'session', 'user', 'participant', 'name', 'link', 'viewer',
@@ -14,7 +14,7 @@ if not ticket[1] then return {'unknown'} end
 local session = ticket[1]
 local session_key = keys.session(session)
 local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'incarnation', 'placement', 'scene',
-                     'input_seq', 'width', 'height', 'presenter', 'guest_slices', 'visitor')
+                     'input_seq', 'width', 'height', 'presenter', 'guest_slices', 'visitor', 'over', 'to_first')
 if not s[1] or s[1] ~= ticket[2] then return {'gone'} end
 
 local worker = s[3]
@@ -43,4 +43,4 @@ redis.call('EXPIRE', session_key, tonumber(ARGV[3]))
 
 return {'attach', session, s[1], s[2], worker, w[1], w[2], s[5] or '0', s[6] or '', s[7] or '0', s[8] or '0',
         s[9] or '0', s[10] or '', ticket[3] or '', ticket[4] or '', ticket[5] or '', ticket[6] or '', ticket[7] or '',
-        s[11] or '', s[12] or '', ticket[8] or ''}
+        s[11] or '', s[12] or '', ticket[8] or '', s[13] or '', s[14] or ''}

@@ -4,11 +4,12 @@
 
 local function finish(session)
   local session_key = keys.session(session)
-  local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'charged_to')
+  local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'charged_to', 'over')
   if not s[1] then return 0 end
   redis.call('ZREM', keys.user_sessions(s[1]), session)
   if s[4] then redis.call('ZREM', keys.user_sessions(s[4]), session) end
   redis.call('ZREM', keys.data_set_sessions(s[2]), session)
+  if s[5] then redis.call('ZREM', keys.data_set_sessions(s[5]), session) end
   if s[3] then redis.call('ZREM', keys.worker_sessions(s[3]), session) end
   for _, hash in ipairs(redis.call('SMEMBERS', keys.session_links(session))) do
     redis.call('DEL', keys.link(hash))

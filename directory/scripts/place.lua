@@ -10,7 +10,8 @@
 --       "1" for a viewer without an account; percentage of all slots that such viewers may hold together;
 --       hash of the address of such a viewer: one address may hold at most half of that share;
 --       whether the owner allows downloads (1 or 0);
---       account that the session is charged to, or empty for the user
+--       account that the session is charged to, or empty for the user;
+--       data set that a new session shows over its own, or empty, and its motion
 -- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full",
 -- "no_memory", "visitors". If the session is not placed, writes nothing but that fact.
 
@@ -189,6 +190,7 @@ if not chosen then
   placement = redis.call('HINCRBY', session_key, 'placement', 1)
   redis.call('HSETNX', session_key, 'opened', now)
   if not known[1] and ARGV[14] ~= '' then redis.call('HSET', session_key, 'scene', ARGV[14]) end
+  if not known[1] and (ARGV[24] or '') ~= '' then redis.call('HSET', session_key, 'over', ARGV[24], 'to_first', ARGV[25]) end
   redis.call('DEL', keys.session_ended(session))
 end
 
@@ -222,7 +224,10 @@ if browser ~= '' then
 end
 redis.call('EXPIRE', session_key, session_s)
 local opened = redis.call('HGET', session_key, 'opened')
-for _, key in ipairs({user_key, data_set_key}) do
+local indexes = {user_key, data_set_key}
+local over = redis.call('HGET', session_key, 'over')
+if over then indexes[3] = keys.data_set_sessions(over) end
+for _, key in ipairs(indexes) do
   redis.call('ZADD', key, opened, session)
   redis.call('EXPIRE', key, session_s)
 end

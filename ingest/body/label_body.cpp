@@ -6,6 +6,7 @@
 
 #include "ingest/body/brain.h"
 #include "ingest/body/decide.h"
+#include "ingest/body/structures.h"
 
 namespace diaphane::ingest {
 namespace {
@@ -209,13 +210,15 @@ namespace {
 
 /// Adds what another phase shows of the patient, so that nothing that moves is hidden.
 void add_body(const volume::Labels& phase, volume::Labels& labels) {
-  const auto is_body = [](std::uint8_t label) {
-    return label != static_cast<std::uint8_t>(Label::kOutside) &&
-           label != static_cast<std::uint8_t>(Label::kSupport);
-  };
+  using volume::is_body;
   for (std::size_t i = 0; i < labels.voxels.size(); ++i) {
     if (is_body(phase.voxels[i]) && !is_body(labels.voxels[i])) labels.voxels[i] = phase.voxels[i];
   }
+}
+
+void mark_parts(const volume::Volume& volume, volume::Labels& labels) {
+  mark_brain(volume, labels);
+  mark_structures(volume, labels);
 }
 
 }  // namespace
@@ -224,7 +227,7 @@ std::string found_labels(const volume::Volume& volume) {
   const std::size_t count = volume.header.voxel_count();
   if (volume.voxels.size() <= count) {
     volume::Labels labels = label_body(volume);
-    mark_brain(volume, labels);
+    mark_parts(volume, labels);
     return volume::encode(labels);
   }
   volume::Labels labels;
@@ -236,7 +239,7 @@ std::string found_labels(const volume::Volume& volume) {
     volume::measure(phase);
     if (at == 0) {
       labels = label_body(phase);
-      mark_brain(phase, labels);
+      mark_parts(phase, labels);
     } else {
       add_body(label_body(phase), labels);
     }

@@ -13,8 +13,9 @@ namespace diaphane::ingest {
 /// untouched. A PET scan is entirely body. Precondition: the volume is measured (volume::measure).
 volume::Labels label_body(const volume::Volume& volume);
 
-/// Returns all labels that a stored scan gets, encoded: those of label_body() and mark_brain(). If
-/// the volume holds several phases, what is body in any of them is body.
+/// Returns all labels that a stored scan gets, encoded: those of label_body(), mark_brain() and
+/// mark_structures(). If the volume holds several phases, what is body in any of them is body. Its
+/// parts are those of the first phase, because the labels of a scan do not move.
 std::string found_labels(const volume::Volume& volume);
 
 }  // namespace diaphane::ingest

@@ -4,48 +4,54 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
+#include <span>
 #include <vector>
 
 #include "common/result.h"
+#include "volume/volume.h"
 
 namespace diaphane::ingest {
 
-/// Returns the steps from voxel to voxel in mm (LPS), as columns, from the text header of a
-/// MetaImage (TransformMatrix, ElementSpacing). VTK's reader ignores the directions. Returns
-/// nullopt if the header has none, kInvalid for implausible numbers, and kUnsupported for voxels of
-/// 64-bit integers or of an unknown type, for which VTK's reader writes beyond its memory.
-Result<std::optional<std::array<double, 9>>> meta_image_axes(const std::string& path);
+enum class VoxelType { kUint8, kInt8, kUint16, kInt16, kUint32, kInt32, kFloat, kDouble };
 
-/// Returns false if the voxels of a MetaImage, `bytes` in size when unpacked, are not complete in
-/// its file or in the file that it names. VTK's reader then silently leaves the previous contents
-/// of the memory.
-bool meta_image_is_complete(const std::string& path, std::uint64_t bytes);
-/// Like meta_image_is_complete, for an NRRD with encoding raw.
-bool nrrd_is_complete(const std::string& path, std::uint64_t bytes);
+/// The size of a voxel in bytes.
+std::size_t bytes_of(VoxelType type);
 
-/// Like meta_image_axes, for an NRRD ("space", "space directions"). Converts RAS to LPS. Returns
-/// kUnsupported for a left-handed or unknown space, because VTK's reader does not turn its rows
-/// reliably.
-Result<std::optional<std::array<double, 9>>> nrrd_axes(const std::string& path);
+/// What a file in a research format (NIfTI, NRRD or MetaImage) says about its voxels. Fields that
+/// could name a person are not read.
+struct ImageHeader {
+  std::array<std::uint32_t, 3> size{};  ///< of one phase
+  VoxelType type = VoxelType::kInt16;
+  bool swapped = false;  ///< the byte order differs from this machine's
+  double slope = 1, intercept = 0;
+  std::array<double, 9> axes{};  ///< steps from voxel to voxel in mm (LPS), as columns
+  bool has_axes = false;         ///< false: the file does not state its orientation
+  /// Centre of the first voxel in mm (LPS), if the file states it.
+  std::optional<std::array<double, 3>> origin;
+  std::vector<volume::Phase> phases;  ///< as volume::Header::phases
+  volume::Modality modality = volume::Modality::kOther;
 
-/// Voxels of an NRRD with encoding gzip, of which VTK's reader would read only the first slice.
-struct PackedNrrd {
-  std::array<int, 3> size{};
-  std::array<double, 3> spacing{1, 1, 1};  ///< mm, from "spacings" if present
-  std::string type;          ///< "int16", "uint16", "uint8", "int8", "float", "double"
-  std::vector<char> voxels;  ///< little endian
+  /// The size of the voxels of all phases in bytes.
+  std::uint64_t voxels_bytes() const;
 };
-/// Returns the voxels, or nullopt for another encoding, which VTK's reader handles. Returns
-/// kUnsupported for big-endian voxels, other types or a second file, kInvalid for a damaged file,
-/// and kTooLarge for more voxels than a volume may have.
-Result<std::optional<PackedNrrd>> read_packed_nrrd(const std::string& path);
 
-/// Returns the contents of a file, decompressed if it is compressed with gzip. Returns kInvalid for
-/// a damaged file, and kTooLarge for more bytes than the largest volume has.
-Result<std::vector<std::byte>> unpacked_file(const std::string& path);
+/// Voxels with their header, phase by phase.
+struct Image {
+  ImageHeader header;
+  std::vector<std::byte> voxels;
+};
 
-/// Converts axes from the right-anterior frame of NIfTI and NRRD's RAS to the left-posterior frame.
-std::array<double, 9> ras_to_lps(std::array<double, 9> axes);
+/// Sets the size and the phases. `step_ms` is the time from phase to phase, or 0 if it is unknown.
+/// Returns kInvalid for an empty image, and kTooLarge for more voxels or phases than a volume may
+/// have.
+Result<void> set_size(ImageHeader& header, std::span<const std::int64_t, 3> size,
+                      std::int64_t phases, double step_ms);
+
+/// The error of a file with several values per voxel.
+tl::unexpected<Error> several_values();
+/// The error of a file whose voxels are of another type.
+tl::unexpected<Error> unknown_type();
+/// The error of a file that ends early or contradicts itself.
+tl::unexpected<Error> damaged_image();
 
 }  // namespace diaphane::ingest

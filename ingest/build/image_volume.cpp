@@ -1,6 +1,5 @@
 #include "ingest/build/image_volume.h"
 
-#include <vtkDataArray.h>
 #include <vtkMatrix3x3.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -9,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <type_traits>
 
+#include "ingest/build/nifti.h"
 #include "volume/header.h"
 
 namespace diaphane::ingest {
@@ -65,11 +66,22 @@ std::array<double, 2> range_of(const T* from, std::size_t count) {
   return range;
 }
 
+/// Stores voxels of one type in `volume`.
 template <typename T>
-void take_values(vtkImageData* image, double slope, double intercept, bool is_float,
+void take_values(std::span<const std::byte> voxels, const ImageHeader& header,
                  volume::Volume& volume) {
-  const auto* from = static_cast<const T*>(image->GetScalarPointer());
+  std::vector<std::byte> native;
+  // Numbers need their natural alignment and this machine's byte order.
+  if (header.swapped || reinterpret_cast<std::uintptr_t>(voxels.data()) % sizeof(T) != 0) {
+    native.assign(voxels.begin(), voxels.end());
+    for (auto at = native.begin(); header.swapped && at != native.end(); at += sizeof(T))
+      std::reverse(at, at + sizeof(T));
+    voxels = native;
+  }
+  const auto* from = reinterpret_cast<const T*>(voxels.data());
   const std::size_t count = volume.header.total_voxel_count();
+  const double slope = header.slope, intercept = header.intercept;
+  const bool is_float = std::is_floating_point_v<T> || (sizeof(T) > 1 && slope != 1);
   auto [low, high] = range_of(from, count);
   low = slope * low + intercept;
   high = slope * high + intercept;
@@ -79,36 +91,25 @@ void take_values(vtkImageData* image, double slope, double intercept, bool is_fl
   convert(from, count, slope * scaling.slope, intercept * scaling.slope, volume.voxels.data());
 }
 
-/// Stores the values of an image of any supported type in `volume`. Returns false for other types.
-bool take_values_of(vtkImageData* image, double slope, double intercept, volume::Volume& volume) {
-  switch (image->GetScalarType()) {
-    case VTK_UNSIGNED_CHAR:
-      take_values<unsigned char>(image, slope, intercept, false, volume);
-      return true;
-    case VTK_CHAR:
-    case VTK_SIGNED_CHAR:
-      take_values<signed char>(image, slope, intercept, false, volume);
-      return true;
-    case VTK_SHORT:
-      take_values<short>(image, slope, intercept, slope != 1, volume);
-      return true;
-    case VTK_UNSIGNED_SHORT:
-      take_values<unsigned short>(image, slope, intercept, slope != 1, volume);
-      return true;
-    case VTK_INT:
-      take_values<int>(image, slope, intercept, slope != 1, volume);
-      return true;
-    case VTK_UNSIGNED_INT:
-      take_values<unsigned int>(image, slope, intercept, slope != 1, volume);
-      return true;
-    case VTK_FLOAT:
-      take_values<float>(image, slope, intercept, true, volume);
-      return true;
-    case VTK_DOUBLE:
-      take_values<double>(image, slope, intercept, true, volume);
-      return true;
-    default:
-      return false;
+void take_values_of(std::span<const std::byte> voxels, const ImageHeader& header,
+                    volume::Volume& volume) {
+  switch (header.type) {
+    case VoxelType::kUint8:
+      return take_values<std::uint8_t>(voxels, header, volume);
+    case VoxelType::kInt8:
+      return take_values<std::int8_t>(voxels, header, volume);
+    case VoxelType::kUint16:
+      return take_values<std::uint16_t>(voxels, header, volume);
+    case VoxelType::kInt16:
+      return take_values<std::int16_t>(voxels, header, volume);
+    case VoxelType::kUint32:
+      return take_values<std::uint32_t>(voxels, header, volume);
+    case VoxelType::kInt32:
+      return take_values<std::int32_t>(voxels, header, volume);
+    case VoxelType::kFloat:
+      return take_values<float>(voxels, header, volume);
+    case VoxelType::kDouble:
+      return take_values<double>(voxels, header, volume);
   }
 }
 
@@ -142,25 +143,16 @@ vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume, std::uint32_t index
   return image;
 }
 
-Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9>& axes,
-                                 double slope, double intercept, std::vector<std::string> repairs,
-                                 std::optional<std::array<double, 3>> origin,
-                                 std::vector<volume::Phase> phases) {
-  if (image->GetNumberOfScalarComponents() != 1) {
-    return fail(ErrorCode::kUnsupported,
-                "this file has several values per voxel, such as colours or vectors");
-  }
+Result<volume::Volume> to_volume(std::span<const std::byte> voxels, const ImageHeader& header) {
   volume::Volume volume;
   volume::Header& h = volume.header;
-  h.repairs = std::move(repairs);
-  h.origin = origin;
-  h.phases = std::move(phases);
-  std::array<int, 3> size{};
-  image->GetDimensions(size.data());
-  size[2] /= static_cast<int>(h.phase_count());
+  if (!header.has_axes) h.repairs.emplace_back(kNoAxes);
+  h.size = header.size;
+  h.origin = header.origin;
+  h.phases = header.phases;
+  h.modality = header.modality;
+  const auto& axes = header.axes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (size[axis] < 1) return fail(ErrorCode::kInvalid, "the image is empty");
-    h.size[axis] = static_cast<std::uint32_t>(size[axis]);
     const double step = std::hypot(axes[axis], axes[3 + axis], axes[6 + axis]);
     h.spacing[axis] = step;
     for (std::size_t row = 0; row < 3; ++row)
@@ -178,13 +170,15 @@ Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9
   if (auto ok = volume::check(h); !ok) {
     return fail(ErrorCode::kUnsupported, "the image cannot be shown: " + ok.error().message);
   }
-  if (!take_values_of(image, slope, intercept, volume)) {
-    return fail(ErrorCode::kUnsupported,
-                "only integers of 8 to 32 bits and floating-point voxels are supported");
-  }
+  take_values_of(voxels, header, volume);
   if (reversed) reverse_slices(volume);
   volume::measure(volume);
   return volume;
+}
+
+Result<volume::Volume> read_nifti_voxels(std::span<const std::byte> file,
+                                         const NiftiHeader& header) {
+  return to_volume(file.subspan(header.voxels_begin, header.voxels_bytes()), header);
 }
 
 }  // namespace diaphane::ingest

@@ -3,12 +3,11 @@
 #include <vtkImageData.h>
 #include <vtkSmartPointer.h>
 
-#include <array>
-#include <optional>
-#include <string>
-#include <vector>
+#include <cstddef>
+#include <span>
 
 #include "common/result.h"
+#include "ingest/build/image_header.h"
 #include "volume/volume.h"
 
 namespace diaphane::ingest {
@@ -20,14 +19,8 @@ inline constexpr const char* kNoAxes = "the file does not specify its orientatio
 /// holds, with its spacing and direction.
 vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume, std::uint32_t index = 0);
 
-/// Converts the scalars of `image` (one component) to a measured volume, to int16 as in read_image.
-/// The columns of `axes` are the steps from voxel to voxel in mm in the patient's space (LPS).
-/// Left-handed axes are reversed. `origin` is the centre of the first voxel, if known. An image
-/// with `phases` has those of all phases one after the other along z. Returns kUnsupported for
-/// other scalars or sheared axes.
-Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9>& axes,
-                                 double slope, double intercept, std::vector<std::string> repairs,
-                                 std::optional<std::array<double, 3>> origin = std::nullopt,
-                                 std::vector<volume::Phase> phases = {});
+/// Converts voxels to a measured volume, to int16 as in read_image. Left-handed axes are reversed.
+/// Returns kUnsupported for sheared axes. Precondition: `voxels` has header.voxels_bytes() bytes.
+Result<volume::Volume> to_volume(std::span<const std::byte> voxels, const ImageHeader& header);
 
 }  // namespace diaphane::ingest

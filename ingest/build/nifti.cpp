@@ -4,7 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <string_view>
+#include <type_traits>
 
 #include "common/try.h"
 #include "volume/header.h"
@@ -14,11 +16,18 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-// Offsets of nifti1.h (R. Cox et al. 2004).
-constexpr std::size_t kHeaderBytes = 348;
-constexpr std::size_t kDim = 40, kDataType = 70, kPixDim = 76, kVoxOffset = 108, kSlope = 112,
-                      kIntercept = 116, kUnits = 123, kQformCode = 252, kSformCode = 254,
-                      kQuatern = 256, kQoffset = 268, kSrow = 280, kIntentName = 328, kMagic = 344;
+/// Where the fields of a header are. The fields of NIfTI-1 and NIfTI-2 have the same meaning, but
+/// other places and types (nifti1.h and nifti2.h, R. Cox et al. 2004, 2011).
+struct Layout {
+  std::size_t bytes;  ///< of the header
+  std::string_view magic;
+  std::size_t dim, data_type, pixdim, begin, slope, intercept, units, qform, sform, quatern,
+      qoffset, srow, intent_name, magic_at;
+};
+constexpr Layout kLayouts[] = {
+    {348, "n+1", 40, 70, 76, 108, 112, 116, 123, 252, 254, 256, 268, 280, 328, 344},
+    {540, "n+2", 16, 12, 104, 168, 176, 184, 500, 344, 348, 352, 376, 400, 508, 4},
+};
 
 template <typename T>
 T swapped_bytes(T value) {
@@ -27,35 +36,87 @@ T swapped_bytes(T value) {
   return std::bit_cast<T>(bytes);
 }
 
-template <typename T>
-T at(Bytes file, std::size_t offset, bool swapped) {
-  T value;
-  std::memcpy(&value, file.data() + offset, sizeof value);
-  return swapped ? swapped_bytes(value) : value;
-}
-
 std::string_view text_at(Bytes file, std::size_t offset, std::size_t length) {
   const std::string_view text(reinterpret_cast<const char*>(file.data()) + offset, length);
   return text.substr(0, text.find('\0'));
 }
 
+/// The fields of a header in either byte order.
+class Fields {
+ public:
+  Fields(Bytes file, const Layout& layout, bool swapped)
+      : file_(file), layout_(layout), swapped_(swapped) {}
+
+  /// Returns the fields of a file, or nullopt if it does not begin like NIfTI.
+  static std::optional<Fields> of(Bytes file) {
+    for (const Layout& layout : kLayouts) {
+      if (file.size() < layout.bytes) continue;
+      for (const bool swapped : {false, true}) {
+        const Fields fields(file, layout, swapped);
+        if (fields.at<std::int32_t>(0) == static_cast<std::int32_t>(layout.bytes) &&
+            text_at(file, layout.magic_at, 4) == layout.magic) {
+          return fields;
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  const Layout& layout() const { return layout_; }
+  bool is_second() const { return &layout_ == &kLayouts[1]; }
+  bool swapped() const { return swapped_; }
+  Bytes file() const { return file_; }
+
+  template <typename T>
+  T at(std::size_t offset) const {
+    T value;
+    std::memcpy(&value, file_.data() + offset, sizeof value);
+    return swapped_ ? swapped_bytes(value) : value;
+  }
+  /// Returns number `i` of a field of numbers: float in NIfTI-1, double in NIfTI-2.
+  double number(std::size_t field, std::size_t i = 0) const {
+    return is_second() ? at<double>(field + 8 * i) : static_cast<double>(at<float>(field + 4 * i));
+  }
+  std::int64_t dim(std::size_t i) const {
+    return is_second() ? at<std::int64_t>(layout_.dim + 8 * i)
+                       : at<std::int16_t>(layout_.dim + 2 * i);
+  }
+  /// Returns a code, which has more bytes in NIfTI-2.
+  std::int32_t code(std::size_t field) const {
+    return is_second() ? at<std::int32_t>(field) : at<std::int16_t>(field);
+  }
+  /// Returns the code of the units of length and time.
+  int units() const {
+    return is_second() ? at<std::int32_t>(layout_.units) : at<std::uint8_t>(layout_.units);
+  }
+  /// Returns the offset of the voxels, or nullopt if it is not in the file.
+  std::optional<std::size_t> begin() const {
+    const double begin = is_second() ? static_cast<double>(at<std::int64_t>(layout_.begin))
+                                     : static_cast<double>(at<float>(layout_.begin));
+    // Comparisons with NaN are false.
+    if (begin >= static_cast<double>(layout_.bytes) && begin <= static_cast<double>(file_.size()))
+      return static_cast<std::size_t>(begin);
+    return std::nullopt;
+  }
+
+ private:
+  Bytes file_;
+  const Layout& layout_;
+  bool swapped_;
+};
+
 struct TypeCode {
   std::int16_t code;
-  NiftiType type;
-  std::size_t bytes;
+  VoxelType type;
 };
 constexpr TypeCode kTypes[] = {
-    {2, NiftiType::kUint8, 1},    {4, NiftiType::kInt16, 2},    {8, NiftiType::kInt32, 4},
-    {16, NiftiType::kFloat, 4},   {64, NiftiType::kDouble, 8},  {256, NiftiType::kInt8, 1},
-    {512, NiftiType::kUint16, 2}, {768, NiftiType::kUint32, 4},
+    {2, VoxelType::kUint8},    {4, VoxelType::kInt16},    {8, VoxelType::kInt32},
+    {16, VoxelType::kFloat},   {64, VoxelType::kDouble},  {256, VoxelType::kInt8},
+    {512, VoxelType::kUint16}, {768, VoxelType::kUint32},
 };
 
-tl::unexpected<Error> damaged() {
-  return fail(ErrorCode::kInvalid, "the image is damaged or incomplete");
-}
-
 /// Returns the milliseconds of a unit of time (xyzt_units), or 0 if the file does not state it.
-double milliseconds_of(std::uint8_t units) {
+double milliseconds_of(int units) {
   switch (units & 0x38) {
     case 8:
       return 1000;
@@ -68,44 +129,28 @@ double milliseconds_of(std::uint8_t units) {
   }
 }
 
-void read_phases(Bytes file, std::size_t count, NiftiHeader& header) {
-  const double step = static_cast<double>(at<float>(file, kPixDim + 16, header.swapped)) *
-                      milliseconds_of(at<std::uint8_t>(file, kUnits, false));
-  const bool timed = std::isfinite(step) && step > 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto index = static_cast<double>(i);
-    header.phases.push_back({timed ? volume::PhaseKind::kTime : volume::PhaseKind::kIndex,
-                             timed ? index * step : index});
+/// Returns the millimetres of a unit of length. Most files that state none mean mm.
+double millimetres_of(int units) {
+  switch (units & 7) {
+    case 1:
+      return 1000;
+    case 3:
+      return 1e-3;
+    default:
+      return 1;
   }
 }
 
-Result<void> read_size(Bytes file, NiftiHeader& header) {
-  const auto dim = [&](std::size_t i) {
-    return at<std::int16_t>(file, kDim + 2 * i, header.swapped);
-  };
-  const int dimensions = dim(0);
+Result<void> read_size(const Fields& fields, NiftiHeader& header) {
+  const std::int64_t dimensions = fields.dim(0);
   if (dimensions < 3 || dimensions > 7) return fail(ErrorCode::kUnsupported, "it has no depth");
   for (std::size_t i = 5; i <= static_cast<std::size_t>(dimensions); ++i) {
-    if (dim(i) > 1) {
-      return fail(ErrorCode::kUnsupported,
-                  "this file has several values per voxel, such as colours or vectors");
-    }
+    if (fields.dim(i) > 1) return several_values();
   }
-  const std::size_t phases = dimensions >= 4 && dim(4) > 1 ? static_cast<std::size_t>(dim(4)) : 1;
-  if (phases > volume::kMostPhases) {
-    return fail(ErrorCode::kTooLarge,
-                "it has " + std::to_string(phases) + " phases, and at most 1,000 are supported");
-  }
-  std::uint64_t voxels = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (dim(axis + 1) < 1) return fail(ErrorCode::kInvalid, "the image is empty");
-    header.size[axis] = static_cast<std::uint32_t>(dim(axis + 1));
-    voxels *= header.size[axis];
-  }
-  voxels *= phases;
-  if (voxels > volume::kMaxVoxels) return fail(ErrorCode::kTooLarge, "the image is too large");
-  if (phases > 1) read_phases(file, phases, header);
-  return {};
+  const std::array<std::int64_t, 3> size{fields.dim(1), fields.dim(2), fields.dim(3)};
+  const std::int64_t phases = dimensions >= 4 ? std::max<std::int64_t>(fields.dim(4), 1) : 1;
+  const double step = fields.number(fields.layout().pixdim, 4) * milliseconds_of(fields.units());
+  return set_size(header, size, phases, step);
 }
 
 /// Returns the rotation of a unit quaternion from its last three components, which the file
@@ -127,74 +172,92 @@ std::array<double, 9> rotation_of(double b, double c, double d) {
       2 * (b * d - a * c),           2 * (c * d + a * b),           a * a + d * d - b * b - c * c};
 }
 
-void read_axes(Bytes file, NiftiHeader& header) {
-  const auto number = [&](std::size_t offset) {
-    return static_cast<double>(at<float>(file, offset, header.swapped));
-  };
-  const bool by_sform = at<std::int16_t>(file, kSformCode, header.swapped) > 0;
-  const bool by_qform = !by_sform && at<std::int16_t>(file, kQformCode, header.swapped) > 0;
+void read_axes(const Fields& fields, NiftiHeader& header) {
+  const Layout& at = fields.layout();
+  const bool by_sform = fields.code(at.sform) > 0;
+  const bool by_qform = !by_sform && fields.code(at.qform) > 0;
   header.has_axes = by_sform || by_qform;
   const std::array<double, 9> straight{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const auto quatern = [&](std::size_t i) { return fields.number(at.quatern, i); };
   const std::array<double, 9> turned =
-      by_qform ? rotation_of(number(kQuatern), number(kQuatern + 4), number(kQuatern + 8))
-               : straight;
+      by_qform ? rotation_of(quatern(0), quatern(1), quatern(2)) : straight;
+  const double unit = millimetres_of(fields.units());
+  std::array<double, 3> origin{};
   for (std::size_t row = 0; row < 3; ++row) {
+    // Converts from NIfTI's right-anterior frame to LPS.
+    const double to_lps = (row < 2 ? -1 : 1) * unit;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double step = std::abs(number(kPixDim + 4 * (axis + 1)));
-      const double side = by_qform && axis == 2 && number(kPixDim) < 0 ? -1 : 1;
-      header.axes[3 * row + axis] =
-          by_sform ? number(kSrow + 16 * row + 4 * axis) : side * step * turned[3 * row + axis];
+      const double step = std::abs(fields.number(at.pixdim, axis + 1));
+      const double side = by_qform && axis == 2 && fields.number(at.pixdim) < 0 ? -1 : 1;
+      header.axes[3 * row + axis] = to_lps * (by_sform ? fields.number(at.srow, 4 * row + axis)
+                                                       : side * step * turned[3 * row + axis]);
     }
-    header.origin[row] = by_sform   ? number(kSrow + 16 * row + 12)
-                         : by_qform ? number(kQoffset + 4 * row)
-                                    : 0;
+    origin[row] =
+        to_lps * (by_sform ? fields.number(at.srow, 4 * row + 3) : fields.number(at.qoffset, row));
   }
-  // Converts from NIfTI's right-anterior frame to LPS.
-  for (std::size_t i = 0; i < 6; ++i) header.axes[i] = -header.axes[i];
-  for (std::size_t i = 0; i < 2; ++i) header.origin[i] = -header.origin[i];
+  if (header.has_axes) header.origin = origin;
 }
 
 }  // namespace
 
-bool is_nifti(Bytes file) {
-  if (file.size() < kHeaderBytes) return false;
-  const auto length = at<std::int32_t>(file, 0, false);
-  return (length == 348 || swapped_bytes(length) == 348) && text_at(file, kMagic, 3) == "n+1";
-}
+bool is_nifti(Bytes file) { return Fields::of(file).has_value(); }
 
 Result<NiftiHeader> read_nifti_header(Bytes file) {
-  if (!is_nifti(file)) return fail(ErrorCode::kInvalid, "the file is not NIfTI");
+  const auto found = Fields::of(file);
+  if (!found) return fail(ErrorCode::kInvalid, "the file is not NIfTI");
+  const Fields& fields = *found;
+  const Layout& at = fields.layout();
   NiftiHeader header;
-  header.swapped = at<std::int32_t>(file, 0, false) != 348;
-  DIAPHANE_TRY(read_size(file, header));
-  const auto code = at<std::int16_t>(file, kDataType, header.swapped);
+  header.swapped = fields.swapped();
+  DIAPHANE_TRY(read_size(fields, header));
+  const auto code = fields.at<std::int16_t>(at.data_type);
   const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes),
                                   [code](const TypeCode& one) { return one.code == code; });
-  if (type == std::end(kTypes)) {
-    return fail(ErrorCode::kUnsupported, "voxels of this type are not supported");
-  }
+  if (type == std::end(kTypes)) return unknown_type();
   header.type = type->type;
-  header.voxel_bytes = type->bytes;
-  const std::uint64_t bytes = std::uint64_t{header.size[0]} * header.size[1] * header.size[2] *
-                              std::max<std::size_t>(header.phases.size(), 1) * type->bytes;
-  const float begin = at<float>(file, kVoxOffset, header.swapped);
-  // The negated comparison also rejects NaN.
-  if (!(begin >= kHeaderBytes && begin <= static_cast<float>(file.size()))) return damaged();
-  header.voxels_begin = static_cast<std::size_t>(begin);
-  if (header.voxels_begin > file.size() || file.size() - header.voxels_begin < bytes)
-    return damaged();
-  read_axes(file, header);
-  const auto slope = static_cast<double>(at<float>(file, kSlope, header.swapped));
-  const auto intercept = static_cast<double>(at<float>(file, kIntercept, header.swapped));
+  const auto begin = fields.begin();
+  if (!begin || file.size() - *begin < header.voxels_bytes()) return damaged_image();
+  header.voxels_begin = *begin;
+  read_axes(fields, header);
+  const double slope = fields.number(at.slope), intercept = fields.number(at.intercept);
   if (std::isfinite(slope) && slope != 0 && std::isfinite(intercept)) {
     header.slope = slope;
     header.intercept = intercept;
   }
-  const std::string_view modality = text_at(file, kIntentName, 16);
+  const std::string_view modality = text_at(file, at.intent_name, 16);
   for (const auto known : {volume::Modality::kCt, volume::Modality::kMr, volume::Modality::kPt}) {
     if (modality == volume::name_of(known)) header.modality = known;
   }
   return header;
+}
+
+std::string keep_nifti_phases(Bytes file, const NiftiHeader& header,
+                              std::span<const std::uint32_t> kept) {
+  const auto fields = Fields::of(file);
+  const Layout& layout = fields->layout();
+  const auto text = [](Bytes bytes) {
+    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  std::string made = text(file.first(header.voxels_begin));
+  const auto put = [&](std::size_t offset, auto value) {
+    if (fields->swapped()) value = swapped_bytes(value);
+    std::memcpy(made.data() + offset, &value, sizeof value);
+  };
+  const std::size_t step = kept.size() > 1 ? kept[1] - kept[0] : 1;
+  bool even = true;
+  for (std::size_t i = 1; i < kept.size(); ++i) even = even && kept[i] - kept[i - 1] == step;
+  const double time = even ? static_cast<double>(step) * fields->number(layout.pixdim, 4) : 0;
+  if (fields->is_second()) {
+    put(layout.dim + 32, static_cast<std::int64_t>(kept.size()));
+    put(layout.pixdim + 32, time);
+  } else {
+    put(layout.dim + 8, static_cast<std::int16_t>(kept.size()));
+    put(layout.pixdim + 16, static_cast<float>(time));
+  }
+  const std::size_t bytes = header.voxels_bytes() / std::max<std::size_t>(header.phases.size(), 1);
+  for (const std::uint32_t phase : kept)
+    made += text(file.subspan(header.voxels_begin + phase * bytes, bytes));
+  return made;
 }
 
 }  // namespace diaphane::ingest

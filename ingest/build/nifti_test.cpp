@@ -75,6 +75,26 @@ Result<volume::Volume> read(const std::string& file) {
   return read_nifti_voxels(bytes, *header);
 }
 
+/// Returns a file of NIfTI-1 as NIfTI-2 (nifti2.h), which has the same fields in other places and
+/// types.
+std::string as_second(const std::string& file, const Made& made) {
+  std::string second(544, '\0');
+  made.put(second, 0, std::int32_t{540});
+  second.replace(4, 8, std::string("n+2\0\r\n\x1a\n", 8));
+  made.put(second, 12, made.code);
+  for (std::size_t i = 0; i < 8; ++i) made.put(second, 16 + 8 * i, std::int64_t{made.dim[i]});
+  for (std::size_t i = 1; i < 4; ++i) made.put(second, 104 + 8 * i, static_cast<double>(i));
+  made.put(second, 104 + 32, 0.05);
+  made.put(second, 168, std::int64_t{544});
+  made.put(second, 176, double{made.slope});
+  made.put(second, 184, double{made.intercept});
+  made.put(second, 348, std::int32_t{made.sform});
+  for (std::size_t i = 0; i < 12; ++i) made.put(second, 400 + 8 * i, double{made.srow[i]});
+  made.put(second, 500, std::int32_t{2 | 8});  // mm and seconds
+  second.replace(508, made.modality.size(), made.modality);
+  return second + file.substr(352);
+}
+
 ErrorCode refusal(const std::string& file) {
   const auto read_it = read(file);
   return read_it ? ErrorCode::kInternal : read_it.error().code;
@@ -168,6 +188,79 @@ TEST(Nifti, ReadsPhasesAndTheirTimes) {
   ASSERT_TRUE(reversed) << reversed.error().message;
   EXPECT_EQ(reversed->voxels[24 + 5], 117);
   EXPECT_EQ(reversed->voxels[24 + 12 + 5], 105);
+}
+
+TEST(Nifti, ReadsTheSecondVersionLikeTheFirst) {
+  for (const bool swapped : {false, true}) {
+    Made made;
+    made.swapped = swapped;
+    made.slope = 2;
+    made.intercept = -10;
+    made.modality = "MR";
+    made.dim = {4, 4, 3, 2, 2, 1, 1, 1};
+    made.srow[3] = 7;
+    std::vector<std::int16_t> values = counted<std::int16_t>(), later = counted<std::int16_t>(10);
+    values.insert(values.end(), later.begin(), later.end());
+    const std::string file = made.with(voxels_of(values, swapped));
+    const auto first = read(file), second = read(as_second(file, made));
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_EQ(second->voxels, first->voxels);
+    EXPECT_EQ(second->header.size, first->header.size);
+    EXPECT_EQ(second->header.direction, first->header.direction);
+    EXPECT_EQ(second->header.origin, first->header.origin);
+    EXPECT_EQ(second->header.modality, volume::Modality::kMr);
+    ASSERT_EQ(second->header.phases.size(), 2U);
+    EXPECT_EQ(second->header.phases[1], (volume::Phase{volume::PhaseKind::kTime, 50}));
+    std::string cut = as_second(file, made);
+    cut.pop_back();
+    EXPECT_EQ(refusal(cut), ErrorCode::kInvalid);
+    std::string huge = as_second(file, made);
+    made.put(huge, 24, std::int64_t{1} << 40);
+    EXPECT_EQ(refusal(huge), ErrorCode::kTooLarge);
+    made.put(huge, 24, std::int64_t{-4});
+    EXPECT_EQ(refusal(huge), ErrorCode::kInvalid);
+    std::string before = as_second(file, made);
+    made.put(before, 168, std::int64_t{-1});
+    EXPECT_EQ(refusal(before), ErrorCode::kInvalid);
+    EXPECT_EQ(refusal(as_second(file, made).substr(0, 500)), ErrorCode::kInvalid);
+  }
+}
+
+TEST(Nifti, KeepsOnlyTheChosenPhases) {
+  for (const bool swapped : {false, true}) {
+    Made made;
+    made.swapped = swapped;
+    made.dim = {4, 4, 3, 2, 6, 1, 1, 1};
+    std::vector<std::int16_t> values;
+    for (std::int16_t phase = 0; phase < 6; ++phase) values.insert(values.end(), 24, phase);
+    std::string first = made.with(voxels_of(values, swapped));
+    made.put(first, 76 + 16, 0.05F);
+    first[123] = 2 | 8;  // mm and seconds
+    for (const std::string& file : {first, as_second(first, made)}) {
+      const auto bytes = std::as_bytes(std::span(file));
+      const auto kept = [&](const std::vector<std::uint32_t>& phases) {
+        return read(keep_nifti_phases(bytes, *read_nifti_header(bytes), phases));
+      };
+      const auto even = kept({1, 3, 5});
+      ASSERT_TRUE(even) << even.error().message;
+      ASSERT_EQ(even->header.phases.size(), 3U);
+      EXPECT_EQ(even->header.phases[2].kind, volume::PhaseKind::kTime);
+      EXPECT_NEAR(even->header.phases[2].value, 200, 1e-4);
+      for (std::size_t i = 0; i < 72; ++i) EXPECT_EQ(even->voxels[i], 1 + 2 * int(i / 24));
+      EXPECT_EQ(kept({0, 1, 5})->header.phases[2], (volume::Phase{volume::PhaseKind::kIndex, 2}))
+          << "times that are not evenly spaced";
+      EXPECT_TRUE(kept({4})->header.phases.empty());
+      EXPECT_EQ(kept({4})->voxels, std::vector<std::int16_t>(24, 4));
+    }
+  }
+}
+
+TEST(Nifti, ConvertsUnitsOfLength) {
+  std::string file = Made().with(voxels_of(counted<std::int16_t>()));
+  file[123] = 3;  // micrometres
+  const auto v = read(file);
+  ASSERT_TRUE(v) << v.error().message;
+  EXPECT_NEAR(v->header.spacing[2], 1.5e-3, 1e-9);
 }
 
 TEST(Nifti, SaysThatTheOrientationIsUnknown) {

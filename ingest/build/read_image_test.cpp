@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <vector>
 
 namespace diaphane::ingest {
 namespace {
@@ -262,9 +263,186 @@ TEST_F(ReadImage, ReadsNrrdWithItsDirections) {
   ASSERT_TRUE(v.has_value()) << v.error().message;
   const std::array<double, 9> straight{1, 0, 0, 0, 1, 0, 0, 0, 1};
   for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(v->header.direction[i], straight[i], 1e-9);
+  // A left-handed space whose axes run to the left, the back and the head.
   v = read_image(
-      put("c.nrrd", nrrd("left-anterior-superior", "(0.5,0,0) (0,0.7,0) (0,0,1.5)", long_rows())));
-  EXPECT_EQ(v.error().code, ErrorCode::kUnsupported);
+      put("c.nrrd", nrrd("left-anterior-superior", "(0.5,0,0) (0,-0.7,0) (0,0,1.5)", long_rows())));
+  ASSERT_TRUE(v.has_value()) << v.error().message;
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(v->header.direction[i], straight[i], 1e-9);
+  EXPECT_EQ(v->voxels[71], 71);
+}
+
+/// The value of a voxel of the phase `t` in files with phases.
+std::int16_t value_of(int t, int x, int y, int z) {
+  return static_cast<std::int16_t>(1000 * t + 100 * z + 10 * y + x);
+}
+
+/// The voxels of kX x kY x kZ and of kT phases, in either byte order. The phases are the axis
+/// number `axis` of the file.
+constexpr int kT = 5;
+std::string phases_of(int axis, bool big = false) {
+  std::array<int, 4> size{kX, kY, kZ, kT};  // of x, y, z and t
+  std::vector<std::size_t> order{0, 1, 2};
+  order.insert(order.begin() + axis, 3);
+  std::string bytes;
+  std::array<int, 4> at{};
+  const auto loop = [&](const auto& self, int depth) -> void {
+    if (depth < 0) {
+      const std::int16_t value = value_of(at[3], at[0], at[1], at[2]);
+      const char low = static_cast<char>(value & 255), high = static_cast<char>(value >> 8);
+      bytes += big ? std::string{high, low} : std::string{low, high};
+      return;
+    }
+    const std::size_t along = order[static_cast<std::size_t>(depth)];
+    for (at[along] = 0; at[along] < size[along]; ++at[along]) self(self, depth - 1);
+  };
+  loop(loop, 3);
+  return bytes;
+}
+
+/// Expects kT phases whose voxels are where value_of() says.
+void expect_phases(const Result<volume::Volume>& v, double step_ms) {
+  ASSERT_TRUE(v.has_value()) << v.error().message;
+  ASSERT_EQ(v->header.phases.size(), std::size_t{kT});
+  ASSERT_EQ(v->header.size, (std::array<std::uint32_t, 3>{kX, kY, kZ}));
+  const auto kind = step_ms > 0 ? volume::PhaseKind::kTime : volume::PhaseKind::kIndex;
+  for (int t = 0; t < kT; ++t) {
+    const auto& phase = v->header.phases[static_cast<std::size_t>(t)];
+    EXPECT_EQ(phase.kind, kind);
+    EXPECT_NEAR(phase.value, step_ms > 0 ? t * step_ms : t, 1e-5);
+  }
+  std::size_t i = 0;
+  for (int t = 0; t < kT; ++t)
+    for (int z = 0; z < kZ; ++z)
+      for (int y = 0; y < kY; ++y)
+        for (int x = 0; x < kX; ++x) ASSERT_EQ(v->voxels[i++], value_of(t, x, y, z));
+}
+
+/// An NRRD whose axis number `axis` counts phases. `more`: lines of the header.
+std::string nrrd_phases(int axis, const std::string& kind, const std::string& more = "",
+                        const std::string& encoding = "raw", const std::string& data = "") {
+  std::vector<std::string> sizes{"4", "3", "2"}, kinds(3, "domain"),
+      steps{"(0.5,0,0)", "(0,0.7,0)", "(0,0,1.5)"};
+  sizes.insert(sizes.begin() + axis, std::to_string(kT));
+  kinds.insert(kinds.begin() + axis, kind);
+  steps.insert(steps.begin() + axis, "none");
+  const auto joined = [](const std::vector<std::string>& words) {
+    std::string line;
+    for (const std::string& word : words) line += " " + word;
+    return line;
+  };
+  return "NRRD0004\ntype: short\ndimension: 4\nspace: left-posterior-superior\nsizes:" +
+         joined(sizes) + "\nspace directions:" + joined(steps) +
+         (kind.empty() ? "" : "\nkinds:" + joined(kinds)) + "\nencoding: " + encoding +
+         "\nspace origin: (1,2,3)\n" + (more.empty() ? "endian: little\n" : more) + "\n" +
+         (data.empty() ? phases_of(axis) : data);
+}
+
+TEST_F(ReadImage, ReadsThePhasesOfNrrdWhereverTheirAxisIs) {
+  for (const int axis : {0, 1, 2, 3}) {
+    for (const std::string kind : {"list", "time", "domain", "none", "???", ""}) {
+      const auto v = read_image(put("a.nrrd", nrrd_phases(axis, kind)));
+      SCOPED_TRACE(kind + " as axis " + std::to_string(axis));
+      expect_phases(v, 0);
+      ASSERT_TRUE(v.has_value());
+      EXPECT_EQ(v->header.direction, (std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1}));
+      EXPECT_NEAR(v->header.spacing[1], 0.7, 1e-9);
+      EXPECT_EQ(v->header.origin, (std::array<double, 3>{1, 2, 3}));
+    }
+    expect_phases(read_image(put("big.nrrd", nrrd_phases(axis, "list", "endian: big\n", "raw",
+                                                         phases_of(axis, true)))),
+                  0);
+    expect_phases(read_image(put("packed.nrrd", nrrd_phases(axis, "list", "", "gzip",
+                                                            gzipped(phases_of(axis), folder_)))),
+                  0);
+  }
+}
+
+TEST_F(ReadImage, KeepsTheTimeBetweenPhasesOfNrrd) {
+  const std::string seconds =
+      "spacings: nan nan nan 0.04\nunits: \"\" \"\" \"\" \"s\"\nendian: little\n";
+  expect_phases(read_image(put("a.nrrd", nrrd_phases(3, "time", seconds))), 40);
+  const std::string unknown = "spacings: nan nan nan 0.04\nendian: little\n";
+  expect_phases(read_image(put("b.nrrd", nrrd_phases(3, "time", unknown))), 0);
+  const std::string space_and_time =
+      "NRRD0005\ntype: short\ndimension: 4\nspace: left-posterior-superior-time\n"
+      "sizes: 4 3 2 5\nspace directions: (0.5,0,0,0) (0,0.7,0,0) (0,0,1.5,0) (0,0,0,75)\n"
+      "space units: \"mm\" \"mm\" \"mm\" \"ms\"\nendian: little\nencoding: raw\n\n";
+  expect_phases(read_image(put("c.nrrd", space_and_time + phases_of(3))), 75);
+  const std::string nothing_known =
+      "NRRD0004\ntype: short\ndimension: 4\nsizes: 4 3 2 5\nendian: little\nencoding: raw\n\n";
+  const auto v = read_image(put("d.nrrd", nothing_known + phases_of(3)));
+  expect_phases(v, 0);
+  EXPECT_EQ(v->header.repairs.size(), 1U) << "no orientation";
+}
+
+TEST_F(ReadImage, RefusesColoursAndVectorsOfNrrd) {
+  const auto refusal = [&](const std::string& file) {
+    const auto v = read_image(put("a.nrrd", file));
+    return v ? std::string("accepted") : v.error().message;
+  };
+  const std::string several = "this file has several values per voxel, such as colours or vectors";
+  for (const std::string kind : {"vector", "point", "covariant-vector"})
+    EXPECT_EQ(refusal(nrrd_phases(0, kind)), several) << kind;
+  std::string colour = nrrd_phases(0, "RGB-color");
+  colour.replace(colour.find("sizes: 5"), 8, "sizes: 3");
+  EXPECT_EQ(refusal(colour), several);
+  std::string unnamed = nrrd_phases(0, "");
+  unnamed.replace(unnamed.find("sizes: 5"), 8, "sizes: 3");
+  EXPECT_EQ(refusal(unnamed), several) << "as programs that write no kinds store a colour";
+  EXPECT_EQ(read_image(put("b.nrrd", nrrd_phases(3, "list").substr(0, 400))).error().code,
+            ErrorCode::kInvalid);
+  std::string many = nrrd_phases(3, "list");
+  many.replace(many.find("2 5\n"), 4, "2 1001\n");
+  EXPECT_EQ(read_image(put("c.nrrd", many)).error().code, ErrorCode::kTooLarge);
+}
+
+TEST_F(ReadImage, RefusesCompressedMetaImageThatEndsEarly) {
+  std::string data(4 * 3 * 2 * 100 * 2, '\0');
+  for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<char>(i * 31 % 127);
+  std::string packed(data.size() + 1000, '\0');
+  uLongf size = packed.size();
+  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+                     reinterpret_cast<const Bytef*>(data.data()), data.size()),
+            Z_OK);
+  packed.resize(size);
+  const auto with_size = [&](std::size_t stated, const std::string& voxels) {
+    std::string header = mha("MET_SHORT", "");
+    const std::string none = "CompressedData = False\n", dims = "4 3 2";
+    header.replace(header.find(none), none.size(),
+                   "CompressedData = True\nCompressedDataSize = " + std::to_string(stated) + "\n");
+    header.replace(header.find(dims), dims.size(), "40 30 2");
+    return read_image(put("a.mha", header + voxels));
+  };
+  const auto whole = with_size(size, packed);
+  ASSERT_TRUE(whole.has_value()) << whole.error().message;
+  EXPECT_EQ(whole->voxels.size(), data.size() / 2);
+  EXPECT_FALSE(with_size(size, packed.substr(0, size - 20)).has_value());
+  EXPECT_FALSE(with_size(size - 100, packed).has_value()) << "a wrong size";
+  EXPECT_FALSE(with_size(size, std::string(size, 'x')).has_value());
+}
+
+TEST_F(ReadImage, ReadsThePhasesOfMetaImage) {
+  for (const bool big : {false, true}) {
+    std::string header = mha("MET_SHORT", "", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1");
+    const auto change = [&](const std::string& from, const std::string& to) {
+      header.replace(header.find(from), from.size(), to);
+    };
+    change("NDims = 3", "NDims = 4");
+    change("Offset = 0 0 0", "Offset = 1 2 3 0");
+    change("0.5 0.7 1.5", "0.5 0.7 1.5 40");
+    change("4 3 2", "4 3 2 5");
+    if (big) change("MSB = False", "MSB = True");
+    const auto v = read_image(put("a.mha", header + phases_of(3, big)));
+    expect_phases(v, 0);
+    EXPECT_EQ(v->header.origin, (std::array<double, 3>{1, 2, 3}));
+    EXPECT_NEAR(v->header.spacing[2], 1.5, 1e-9);
+    EXPECT_FALSE(read_image(put("b.mha", header + phases_of(3).substr(2))).has_value());
+    std::string sheared = header;
+    sheared.replace(sheared.find("1 0 0 0 0 1"), 11, "1 0 0 9 0 1");
+    EXPECT_EQ(read_image(put("c.mha", sheared + phases_of(3, big))).error().code,
+              ErrorCode::kInvalid)
+        << "an axis through space and time";
+  }
 }
 
 TEST_F(ReadImage, RefusesTruncatedNifti) {

@@ -203,6 +203,51 @@ TEST(Case8, KeepsAsManyPhasesAsFit) {
   EXPECT_EQ(scan->series.front().assessment.code, "over_quota");
 }
 
+TEST(Case8, SplitsByThePrivateBValuesOfSiemensGeAndPhilips) {
+  using Change = std::function<void(int phase, SliceSpec&)>;
+  const auto text = [](SliceSpec& s, std::uint16_t group, std::uint16_t element, const char* vr,
+                       const std::string& value) {
+    s.extra.push_back({group, element, vr, value, {}});
+  };
+  const std::vector<std::pair<const char*, Change>> makers{
+      {"Siemens",
+       [&](int p, SliceSpec& s) {
+         text(s, 0x0019, 0x0010, "LO", "SIEMENS MR HEADER");
+         text(s, 0x0019, 0x100C, "IS", std::to_string(500 * p));
+       }},
+      {"GE",
+       [&](int p, SliceSpec& s) {
+         text(s, 0x0043, 0x0010, "LO", "GEMS_PARM_01");
+         text(s, 0x0043, 0x1039, "IS", std::to_string(1'000'000'000 + 500 * p) + "\\8\\0\\0");
+       }},
+      {"Philips", [&](int p, SliceSpec& s) {
+         text(s, 0x2001, 0x0010, "LO", "Philips Imaging DD 001");
+         text(s, 0x2001, 0x1003, "FL", bytes_of_float(500.0F * static_cast<float>(p)));
+       }}};
+  for (const auto& [maker, change] : makers) {
+    SCOPED_TRACE(maker);
+    const Series series =
+        series_of(files_of_phases(3, [&](int p, int z, SeriesSpec&, SliceSpec& s) {
+          s.instance_number = 100 * (3 - p) + z;
+          change(p, s);
+          return true;
+        }));
+    expect_phases(series, {0, 1, 2});
+    EXPECT_EQ(series.assessment.phases.at(2), (volume::Phase{PhaseKind::kBValue, 1000}));
+  }
+}
+
+TEST(Case8, IgnoresPrivateElementsOfOtherCreators) {
+  const Series series = series_of(files_of_phases(2, [](int p, int z, SeriesSpec&, SliceSpec& s) {
+    s.extra.push_back({0x0019, 0x0010, "LO", "SOMEBODY ELSE", {}});
+    s.extra.push_back({0x0019, 0x100C, "IS", std::to_string(500 * (1 - p)), {}});
+    s.instance_number = 100 * p + z;
+    return true;
+  }));
+  expect_phases(series, up_to(2));
+  EXPECT_EQ(series.assessment.phases.at(1).kind, PhaseKind::kIndex);
+}
+
 TEST(Case8, IgnoresABValueOfTheWrongLength) {
   const Series series = series_of(files_of_phases(2, [](int p, int z, SeriesSpec&, SliceSpec& s) {
     s.extra.push_back({0x0018, 0x9087, "FD", bytes_of_double(-500.0 * p) + "1234", {}});

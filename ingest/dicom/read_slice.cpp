@@ -203,10 +203,28 @@ std::optional<double> in_ms(std::optional<double> seconds) {
   return seconds;
 }
 
+/// Returns the b-value that scanners of Siemens, GE and Philips write into private elements of
+/// files without the standard one. The same rules are in frontend/src/scan/private_b_value.ts.
+std::optional<double> private_b_value(const Elements& in) {
+  constexpr double kImplausible = 1e5;  ///< s/mm², far above those of scanners
+  std::optional<double> value;
+  if (in.text(0x0019, 0x0010) == "SIEMENS MR HEADER") {
+    value = in.first(0x0019, 0x100C);
+  } else if (in.text(0x0043, 0x0010) == "GEMS_PARM_01") {
+    value = in.first(0x0043, 0x1039);
+    // Some versions add 10⁹ as a mark.
+    if (value && *value >= 1e9) *value = std::fmod(*value, kImplausible);
+  } else if (in.text(0x2001, 0x0010) == "Philips Imaging DD 001") {
+    value = in.number_of<float>(0x2001, 0x1003);
+  }
+  return value && *value >= 0 && *value < kImplausible ? value : std::nullopt;
+}
+
 /// Reads what may distinguish the slice from others at its position.
 void read_moment(const Elements& in, Slice& slice) {
   const auto either = [](std::optional<double> a, std::optional<double> b) { return a ? a : b; };
-  slice.by(Distinction::kBValue) = in.number_of<double>(0x0018, 0x9087);
+  slice.by(Distinction::kBValue) =
+      either(in.number_of<double>(0x0018, 0x9087), private_b_value(in));
   slice.by(Distinction::kEchoTime) =
       either(in.first(0x0018, 0x0081), in.number_of<double>(0x0018, 0x9082));
   slice.by(Distinction::kCycle) = in.number_of<float>(0x0020, 0x9241);

@@ -12,6 +12,7 @@
 
 #include "common/try.h"
 #include "ingest/export/placement.h"
+#include "volume/alignment.h"
 #include "volume/header.h"
 
 namespace diaphane::ingest {
@@ -68,7 +69,7 @@ void put_placement(const volume::Header& header, HeaderBytes& out) {
   const std::int16_t code = header.origin ? kScanner : kAligned;
   out.put<std::int16_t>(kQformCode, code);
   out.put<std::int16_t>(kSformCode, code);
-  const auto first = first_voxel(header);
+  const auto first = volume::first_voxel(header);
   std::array<double, 9> ras =
       header.direction;  // NIfTI's x and y axes are opposite to those of LPS
   for (std::size_t i = 0; i < 6; ++i) ras[i] = -ras[i];

@@ -99,7 +99,8 @@ TEST(NiftiWriter, BothFormsPlaceVoxelsInEveryOrientation) {
         // Floats of the quaternion have a relative error of 6e-8 each.
         EXPECT_NEAR(read->axes[i], direction[i] * header.spacing[i % 3], 1e-6);
       }
-      for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(read->origin[i], (*header.origin)[i], 1e-5);
+      for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_NEAR((*read->origin)[i], (*header.origin)[i], 1e-5);
     }
   }
 }

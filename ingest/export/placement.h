@@ -17,13 +17,4 @@ inline std::array<double, 3> step_of(const volume::Header& header,
   return step;
 }
 
-/// Returns the centre of voxel (0, 0, 0) in mm (LPS). If the position of the scan is unknown, the
-/// centre of its box is the origin.
-inline std::array<double, 3> first_voxel(const volume::Header& header) {
-  if (header.origin) return *header.origin;
-  std::array<double, 3> half{};
-  for (std::size_t axis = 0; axis < 3; ++axis) half[axis] = -(header.size[axis] - 1.0) / 2;
-  return step_of(header, half);
-}
-
 }  // namespace diaphane::ingest

@@ -17,6 +17,7 @@
 
 #include "ingest/export/placement.h"
 #include "ingest/export/sequential_vtk.h"
+#include "volume/alignment.h"
 
 namespace diaphane::ingest {
 namespace {
@@ -44,7 +45,7 @@ Polygons extract(Field& field) {
 
 /// Moves the points into the patient's space.
 void place(const volume::Header& header, const Field& field, vtkPolyData* surface) {
-  const auto origin = first_voxel(header);
+  const auto origin = volume::first_voxel(header);
   vtkPoints* points = surface->GetPoints();
   for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i) {
     std::array<double, 3> at{};

@@ -77,21 +77,21 @@ Result<void> take_labels(const Voxels<T>& voxels, LabelImage& image) {
 
 Result<void> take_labels_of(Bytes voxels, const NiftiHeader& header, LabelImage& image) {
   switch (header.type) {
-    case NiftiType::kUint8:
+    case VoxelType::kUint8:
       return take_labels(Voxels<std::uint8_t>(voxels, header), image);
-    case NiftiType::kInt8:
+    case VoxelType::kInt8:
       return take_labels(Voxels<std::int8_t>(voxels, header), image);
-    case NiftiType::kUint16:
+    case VoxelType::kUint16:
       return take_labels(Voxels<std::uint16_t>(voxels, header), image);
-    case NiftiType::kInt16:
+    case VoxelType::kInt16:
       return take_labels(Voxels<std::int16_t>(voxels, header), image);
-    case NiftiType::kUint32:
+    case VoxelType::kUint32:
       return take_labels(Voxels<std::uint32_t>(voxels, header), image);
-    case NiftiType::kInt32:
+    case VoxelType::kInt32:
       return take_labels(Voxels<std::int32_t>(voxels, header), image);
-    case NiftiType::kFloat:
+    case VoxelType::kFloat:
       return take_labels(Voxels<float>(voxels, header), image);
-    case NiftiType::kDouble:
+    case VoxelType::kDouble:
       break;
   }
   return take_labels(Voxels<double>(voxels, header), image);
@@ -113,10 +113,9 @@ Result<LabelImage> read_nifti_labels(Bytes file, const LabelLimits& limits) {
   LabelImage image;
   image.size = size;
   image.axes = header->axes;
-  if (header->has_axes) image.origin = header->origin;
-  DIAPHANE_TRY(take_labels_of(
-      file.subspan(header->voxels_begin, static_cast<std::size_t>(count) * header->voxel_bytes),
-      *header, image));
+  image.origin = header->origin;
+  DIAPHANE_TRY(
+      take_labels_of(file.subspan(header->voxels_begin, header->voxels_bytes()), *header, image));
   return image;
 }
 

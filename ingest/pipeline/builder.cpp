@@ -20,6 +20,7 @@
 #include "common/fd.h"
 #include "common/sandbox/supervisor.h"
 #include "common/try.h"
+#include "ingest/pipeline/align_child.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
 #include "ingest/pipeline/export_child.h"
@@ -45,6 +46,8 @@ int unnamed_file(const std::string& directory) {
   if (named >= 0) unlink(name.c_str());
   return named;
 }
+
+tl::unexpected<Error> no_room() { return fail(ErrorCode::kTooLarge, "the disk is full"); }
 
 Verdict unsafe() { return refused("unreadable", "This upload could not be read safely."); }
 
@@ -97,6 +100,7 @@ Result<void> take_volume(int fd, std::uint64_t most_voxels, Build& build) {
   }
   volume::measure(build.volume, build.verdict.filler);
   std::string& frame = build.volume.header.frame_of_reference;
+  build.frame = volume::disguised_uid(frame);
   frame = volume::hidden_frame_of_reference(frame).value_or("");
   return {};
 }
@@ -159,6 +163,27 @@ Result<void> copy_export(int fd, const std::string& path, Build& build,
   return {};
 }
 
+/// Appends the first bytes of a file to `to`. Sets `build.stopped` if it ends early.
+Result<void> append(const std::string& path, std::uint64_t bytes, int to, Build& build,
+                    const Builder::ShouldContinue& should_continue) {
+  const Fd from(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!from) return fail(ErrorCode::kUnavailable, "cannot open the stored volume");
+  while (bytes > 0) {
+    if (!should_continue()) {
+      build.stopped = true;
+      return {};
+    }
+    constexpr std::uint64_t kPiece = std::uint64_t{64} << 20;
+    const ssize_t sent = sendfile(to, from.get(), nullptr, std::min(bytes, kPiece));
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0 && (errno == ENOSPC || errno == EDQUOT)) return no_room();
+    if (sent < 0) return fail(ErrorCode::kUnavailable, "cannot copy the stored volume");
+    if (sent == 0) break;  // the child notices that the scan is damaged
+    bytes -= static_cast<std::uint64_t>(sent);
+  }
+  return {};
+}
+
 /// Returns the bytes that may still be written on the disk of `directory` while `reserve` stays
 /// free.
 std::uint64_t free_bytes(const std::string& directory, std::uint64_t reserve) {
@@ -167,8 +192,6 @@ std::uint64_t free_bytes(const std::string& directory, std::uint64_t reserve) {
   const std::uint64_t free = std::uint64_t{info.f_bavail} * info.f_frsize;
   return free > reserve ? free - reserve : 0;
 }
-
-tl::unexpected<Error> no_room() { return fail(ErrorCode::kTooLarge, "the disk is full"); }
 
 /// Returns whether the child was ended by SIGKILL, which a fault of its own does not raise.
 bool was_killed(const ChildEnd& end) {
@@ -296,7 +319,7 @@ Result<Build> SandboxBuilder::export_scan(const ExportInput& input,
   DIAPHANE_TRY(header);
   const char* name = "/voxels.i16";
   if (input.order.label)
-    name = *input.order.label == volume::kBrainNumber ? "/labels" : "/label_set";
+    name = volume::found_part(*input.order.label) != nullptr ? "/labels" : "/label_set";
   const std::string source = input.volume_directory + name;
   const Fd file(open(source.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!file && errno == ENOENT && input.order.label) {
@@ -313,6 +336,40 @@ Result<Build> SandboxBuilder::export_scan(const ExportInput& input,
       file.get(), kExportChildWord, {*std::move(header), to_text(input.order)},
       [&](int output, Build& build) {
         return copy_export(output, input.path, build, should_continue);
+      },
+      should_continue);
+}
+
+Result<Build> SandboxBuilder::align(const AlignInput& input,
+                                    const ShouldContinue& should_continue) {
+  auto fixed = volume::to_json(input.fixed), moving = volume::to_json(input.moving);
+  DIAPHANE_TRY(fixed);
+  DIAPHANE_TRY(moving);
+  const auto bytes = [](const volume::Header& h) { return h.voxel_count() * sizeof(std::int16_t); };
+  if (bytes(input.fixed) + bytes(input.moving) >
+      free_bytes(options_.scratch_dir, options_.reserve_mb * kMb)) {
+    return no_room();
+  }
+  // The child can read one descriptor only, so both scans become one file.
+  const Fd both(unnamed_file(options_.scratch_dir));
+  if (!both) return fail(ErrorCode::kUnavailable, "the scratch directory is not writable");
+  Build copied;
+  for (const auto& [directory, header] : {std::pair{&input.fixed_directory, &input.fixed},
+                                          {&input.moving_directory, &input.moving}}) {
+    DIAPHANE_TRY(
+        append(*directory + "/voxels.i16", bytes(*header), both.get(), copied, should_continue));
+    if (copied.stopped) return copied;
+  }
+  if (lseek(both.get(), 0, SEEK_SET) != 0) return fail(ErrorCode::kUnavailable, "the disk fails");
+  return run(
+      both.get(), kAlignChildWord, {*std::move(fixed), *std::move(moving)},
+      [](int output, Build& build) -> Result<void> {
+        std::string text(kLongestAlignment, '\0');
+        const ssize_t got = pread(output, text.data(), text.size(), 0);
+        if (got < 0) return fail(ErrorCode::kUnavailable, "the disk fails");
+        text.resize(static_cast<std::size_t>(got));
+        build.aligned = alignment_of(text);
+        return {};
       },
       should_continue);
 }
@@ -405,6 +462,13 @@ int run_export_child_with(const std::vector<std::string>& arguments) {
   std::uint64_t quota = 0;
   if (arguments.size() != 5 || !read_limits(arguments, sandbox, quota)) return kUsage;
   return run_export_child_main(arguments[3], arguments[4], sandbox);
+}
+
+int run_align_child_with(const std::vector<std::string>& arguments) {
+  SandboxLimits sandbox;
+  std::uint64_t quota = 0;
+  if (arguments.size() != 5 || !read_limits(arguments, sandbox, quota)) return kUsage;
+  return run_align_child_main(arguments[3], arguments[4], sandbox);
 }
 
 int run_cut_child_with(const std::vector<std::string>& arguments) {

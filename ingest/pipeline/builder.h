@@ -13,6 +13,7 @@
 #include "ingest/dicom/scan.h"
 #include "ingest/export/export_scan.h"
 #include "ingest/pipeline/report.h"
+#include "ingest/registration/register.h"
 #include "volume/region.h"
 #include "volume/volume.h"
 
@@ -22,6 +23,7 @@ namespace diaphane::ingest {
 struct Build {
   Verdict verdict;
   volume::Volume volume;  ///< valid with verdict.ready, with measured statistics
+  std::string frame;      ///< UID of the frame of reference in disguise, or empty
   std::string labels;     ///< instead of a volume: the encoded label set (place_labels)
   bool stopped = false;   ///< `should_continue` returned false
   bool killed = false;    ///< something killed the child, probably the kernel for lack of memory
@@ -31,6 +33,7 @@ struct Build {
   bool too_large = false;  ///< exceeds BuildBounds::light_bytes
   /// The upload's file is missing from a directory in which others were found.
   bool file_missing = false;
+  std::optional<RigidAlignment> aligned;  ///< instead of a volume (SandboxBuilder::align)
   std::uint64_t written = 0;  ///< bytes of the exported file (SandboxBuilder::export_scan)
   double seconds = 0;
   std::uint64_t peak_bytes = 0;  ///< peak memory of the child
@@ -61,6 +64,12 @@ struct ExportInput {
   volume::Header header;  ///< as stored
   ExportOrder order;
   std::string path;
+};
+
+/// Two stored volumes to align.
+struct AlignInput {
+  std::string fixed_directory, moving_directory;
+  volume::Header fixed, moving;  ///< as stored
 };
 
 /// Builds a volume from an upload, cuts a stored volume, or places labels on its grid. Whatever the
@@ -104,6 +113,9 @@ class SandboxBuilder final : public Builder {
   /// Writes an export of a stored volume to `input.path`. Refuses an order that is not possible.
   /// The errors are those of build(), and then a part of the file may remain.
   Result<Build> export_scan(const ExportInput& input, const ShouldContinue& should_continue);
+  /// Aligns two stored volumes. Refuses what register_rigid() refuses, with its reason as the code.
+  /// The errors are those of build().
+  Result<Build> align(const AlignInput& input, const ShouldContinue& should_continue);
 
  private:
   /// Reads what the child wrote to the file, if its verdict is "ready".
@@ -126,5 +138,6 @@ int run_child_with(const std::vector<std::string>& arguments);
 int run_cut_child_with(const std::vector<std::string>& arguments);
 int run_label_child_with(const std::vector<std::string>& arguments);
 int run_export_child_with(const std::vector<std::string>& arguments);
+int run_align_child_with(const std::vector<std::string>& arguments);
 
 }  // namespace diaphane::ingest

@@ -54,6 +54,9 @@ int run_child_main(const dicom::ScanLimits& limits, const BuildBounds& bounds,
 int write_output(const volume::Volume& volume);
 /// Writes bytes to kChildOutput. Returns the child's exit code, or 0.
 int write_output(std::string_view bytes);
+/// Fills the verdict of a child that has written something about a stored scan, whose header this
+/// is. Returns the child's exit code, 0.
+int succeed(volume::Header scan, Verdict& verdict);
 /// Sends the report to kChildReport and returns the child's exit code.
 int send_report(const Verdict& verdict);
 

@@ -34,13 +34,14 @@ std::optional<std::size_t> read_input(char* data, std::size_t bytes) {
   return done;
 }
 
-/// Turns the brain among the labels that ingest has found into a label set.
-Result<volume::LabelSet> brain_of(const std::string& encoded, const volume::Header& header) {
+/// Turns a part that ingest has found into a label set.
+Result<volume::LabelSet> found_set(const volume::FoundPart& part, const std::string& encoded,
+                                   const volume::Header& header) {
   auto found = volume::decode(encoded, header.size);
   DIAPHANE_TRY(found);
-  volume::LabelSet set{{{volume::kBrainNumber, "", volume::label_colour(0)}}, *std::move(found)};
+  volume::LabelSet set{{{part.number(), "", volume::label_colour(0)}}, *std::move(found)};
   for (std::uint8_t& voxel : set.labels.voxels)
-    voxel = voxel == static_cast<std::uint8_t>(volume::Label::kBrain) ? 1 : 0;
+    voxel = voxel == static_cast<std::uint8_t>(part.label) ? 1 : 0;
   return set;
 }
 
@@ -71,8 +72,9 @@ Got read_labels(volume::Volume& scan, std::uint32_t number) {
     encoded.resize(before + *got);
     if (*got < kPiece) break;
   }
-  auto set = number == volume::kBrainNumber ? brain_of(encoded, scan.header)
-                                            : volume::decode_label_set(encoded, scan.header.size);
+  const volume::FoundPart* part = volume::found_part(number);
+  auto set = part != nullptr ? found_set(*part, encoded, scan.header)
+                             : volume::decode_label_set(encoded, scan.header.size);
   if (!set) return Got::kDamaged;
   scan.label_set = *std::move(set);
   return Got::kAll;
@@ -116,13 +118,7 @@ int run_export(const std::string& header_text, const std::string& order_text, Ve
     verdict = refusal_of(done.error());
     return 0;
   }
-  verdict.ready = true;
-  verdict.header = std::move(scan.header);
-  // The parent refuses headers with these fields, because it fills them itself.
-  verdict.header.content_hash.clear();
-  verdict.header.label_hash.clear();
-  verdict.header.frame_of_reference.clear();
-  return 0;
+  return succeed(std::move(scan.header), verdict);
 }
 
 }  // namespace

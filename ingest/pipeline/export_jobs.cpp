@@ -21,10 +21,6 @@ std::optional<ExportFormat> format_of(std::string_view text) {
   return std::nullopt;
 }
 
-double seconds_of(std::chrono::milliseconds span) {
-  return static_cast<double>(span.count()) / 1000;
-}
-
 ExportJob job_of(const pqxx::row& row) {
   ExportJob job;
   job.id = row["id"].as<std::string>();
@@ -66,22 +62,16 @@ std::optional<ExportOrder> export_order_of(const std::string& text) {
   return order;
 }
 
-struct PostgresExports::Impl {
-  explicit Impl(Options options)
-      : link(std::move(options.url)),
-        claimer(std::move(options.claimer)),
-        lease_seconds(seconds_of(options.lease)) {}
-  PostgresLink link;
-  std::string claimer;
-  double lease_seconds;
+struct PostgresExports::Impl : LeasedLink {
+  using LeasedLink::LeasedLink;
 };
 
-PostgresExports::PostgresExports(Options options)
+PostgresExports::PostgresExports(LeaseOptions options)
     : impl_(std::make_unique<Impl>(std::move(options))) {}
 PostgresExports::~PostgresExports() = default;
 
 Result<std::optional<ExportJob>> PostgresExports::claim() {
-  return impl_->link.transact([&](pqxx::work& transaction) -> std::optional<ExportJob> {
+  return impl_->transact([&](pqxx::work& transaction) -> std::optional<ExportJob> {
     // Returns the number of earlier attempts, and counts this one until it has a result.
     const auto rows = transaction.exec_params(
         R"sql(
@@ -101,7 +91,7 @@ Result<std::optional<ExportJob>> PostgresExports::claim() {
 }
 
 Result<bool> PostgresExports::renew(const ExportJob& job) {
-  return impl_->link.transact([&](pqxx::work& transaction) {
+  return impl_->transact([&](pqxx::work& transaction) {
     return transaction
                .exec_params(
                    R"sql(
@@ -113,7 +103,7 @@ Result<bool> PostgresExports::renew(const ExportJob& job) {
 }
 
 Result<bool> PostgresExports::finish(const ExportJob& job, std::uint64_t bytes) {
-  return impl_->link.transact([&](pqxx::work& transaction) {
+  return impl_->transact([&](pqxx::work& transaction) {
     return transaction
                .exec_params(
                    R"sql(
@@ -129,7 +119,7 @@ Result<bool> PostgresExports::finish(const ExportJob& job, std::uint64_t bytes) 
 
 Result<void> PostgresExports::fail_with(const ExportJob& job, const std::string& code,
                                         const std::string& text) {
-  auto done = impl_->link.transact([&](pqxx::work& transaction) {
+  auto done = impl_->transact([&](pqxx::work& transaction) {
     return transaction
         .exec_params(
             R"sql(
@@ -146,7 +136,7 @@ Result<void> PostgresExports::fail_with(const ExportJob& job, const std::string&
 
 Result<void> PostgresExports::put_back(const ExportJob& job, std::chrono::milliseconds pause,
                                        bool waiting, bool count_attempt) {
-  auto done = impl_->link.transact([&](pqxx::work& transaction) {
+  auto done = impl_->transact([&](pqxx::work& transaction) {
     return transaction
         .exec_params(
             R"sql(

@@ -8,6 +8,7 @@
 
 #include "common/result.h"
 #include "ingest/export/export_scan.h"
+#include "ingest/pipeline/lease.h"
 
 namespace diaphane::ingest {
 
@@ -48,12 +49,7 @@ class ExportJobs {
 /// The queue over libpqxx. Not thread-safe.
 class PostgresExports final : public ExportJobs {
  public:
-  struct Options {
-    std::string url;
-    std::string claimer;  ///< identifies this worker in leases; different at each start
-    std::chrono::milliseconds lease{5000};
-  };
-  explicit PostgresExports(Options options);
+  explicit PostgresExports(LeaseOptions options);
   ~PostgresExports() override;
 
   Result<std::optional<ExportJob>> claim() override;

@@ -5,12 +5,12 @@
 #include "common/ids.h"
 #include "common/log.h"
 #include "ingest/pipeline/doubled_pause.h"
+#include "ingest/pipeline/lease.h"
 #include "volume/volume.h"
 
 namespace diaphane::ingest {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 namespace {
 
@@ -73,15 +73,10 @@ void ExportWorker::work(const ExportJob& job, const std::function<bool()>& is_st
   // A worker that has lost its lease without knowing must not write to the file of the next one.
   const std::string unfinished = options_.export_dir + "/.tmp-" + job.id + "-" + new_id();
   bool ours = true;
-  const auto should_continue = [&, next = Clock::now() + options_.renew]() mutable {
-    if (is_stopping()) return false;
-    if (Clock::now() < next) return true;
-    next = Clock::now() + options_.renew;
-    const auto renewed = jobs_.renew(job);
-    // While Postgres is unavailable, no other worker can claim the export either.
-    if (renewed) ours = *renewed;
+  const auto should_continue = renewing(is_stopping, options_.renew, [&] {
+    if (const auto renewed = jobs_.renew(job)) ours = *renewed;
     return ours;
-  };
+  });
   const auto build = make_({directory, *header, job.order, unfinished}, should_continue);
   if (!build) {
     wait(job, build.error());

@@ -70,14 +70,21 @@ class JobStore {
   /// jobs of others come first for a while. It then runs while its claimer's process does nothing
   /// else, so that it interrupts no other job if it ends that process again.
   virtual Result<std::optional<Job>> claim() = 0;
+  /// Waits for a job, an export or an alignment to be ordered, but no longer than `longest`.
+  /// Returns whether there may be one. Jobs that become due without an order, such as those of a
+  /// claimer that ended, are found only by claim().
+  virtual bool wait_for_work(std::chrono::milliseconds longest) = 0;
   /// Extends the lease.
   virtual Result<Hold> renew(const Job& job) = 0;
-  /// Completes a job with a volume. `head` is the JSON of the head finding (ingest/head). In one
+  /// Completes a job with a volume. `head` is the JSON of the head finding (ingest/head), and
+  /// `frame` is the UID of its frame of reference in disguise (volume/frame_of_reference.h), or
+  /// empty. It is stored as a hash that shows which scans of one account share it. In one
   /// transaction, the data set becomes "ready", and the job and the upload's row are deleted and
   /// its file is noted for deletion. Returns kOverQuota if the owner's other data sets leave no
   /// room for `bytes`, so that the data set becomes "refused" and the volume is noted for disposal.
   virtual Result<Hold> finish_ready(const Job& job, const volume::Header& header,
-                                    std::uint64_t bytes, const std::string& head) = 0;
+                                    std::uint64_t bytes, const std::string& head,
+                                    const std::string& frame) = 0;
   /// Marks the data set as "refused" with a reason, and ends the job and the upload like
   /// finish_ready().
   virtual Result<Hold> finish_refused(const Job& job, const std::string& code,

@@ -59,13 +59,7 @@ int place(const std::string& header_text, Verdict& verdict) {
     return 0;
   }
   if (const int exit_code = write_output(volume::encode(**read))) return exit_code;
-  verdict.ready = true;
-  verdict.header = *std::move(scan);
-  // The parent refuses headers with these fields, because it fills them itself.
-  verdict.header.content_hash.clear();
-  verdict.header.label_hash.clear();
-  verdict.header.frame_of_reference.clear();
-  return 0;
+  return succeed(*std::move(scan), verdict);
 }
 
 }  // namespace

@@ -37,10 +37,6 @@ void move_presets(pqxx::work& transaction, const std::string& data_set,
   }
 }
 
-double seconds_of(std::chrono::milliseconds span) {
-  return static_cast<double>(span.count()) / 1000;
-}
-
 /// Formats an array of texts for Postgres.
 std::string array_of(const std::vector<std::string>& texts) {
   std::string array = "{";
@@ -128,19 +124,18 @@ Job job_of(const pqxx::row& row) {
 
 }  // namespace
 
-struct PostgresJobs::Impl : PostgresLink {
+struct PostgresJobs::Impl : LeasedLink {
   explicit Impl(Options options)
-      : PostgresLink(std::move(options.url)),
-        claimer(std::move(options.claimer)),
+      : LeasedLink({std::move(options.url), std::move(options.claimer), options.lease}, kChannel),
         process(std::move(options.process)),
-        lease_seconds(seconds_of(options.lease)),
         first_pause_seconds(seconds_of(options.first_pause)),
         longest_pause_seconds(seconds_of(options.longest_pause)),
         light_bytes(static_cast<std::int64_t>(options.light_bytes)) {}
 
-  std::string claimer;
+  /// `api` notifies it of everything that this program has to do.
+  static constexpr const char* kChannel = "ingest_jobs";
+
   std::string process;
-  double lease_seconds;
   double first_pause_seconds;
   double longest_pause_seconds;
   std::int64_t light_bytes;
@@ -217,6 +212,8 @@ struct PostgresJobs::Impl : PostgresLink {
         transaction.exec_params("DELETE FROM ingest_jobs WHERE data_set_id = $1 AND leased_by = $2",
                                 job.data_set_id, claimer);
     if (removed.affected_rows() == 0) return Hold::kLost;
+    // Another worker of this program may now take the owner's next job.
+    transaction.exec(std::string("NOTIFY ") + kChannel);
     if (job.cut) return Hold::kOurs;
     transaction.exec_params("DELETE FROM uploads WHERE id = $1", job.upload_id);
     transaction.exec_params(
@@ -245,6 +242,10 @@ Result<std::optional<Job>> PostgresJobs::claim() {
   });
 }
 
+bool PostgresJobs::wait_for_work(std::chrono::milliseconds longest) {
+  return impl_->wait_for_notification(longest);
+}
+
 Result<Hold> PostgresJobs::renew(const Job& job) {
   return impl_->transact([&](pqxx::work& transaction) {
     const auto renewed = transaction.exec_params(
@@ -260,7 +261,8 @@ Result<Hold> PostgresJobs::renew(const Job& job) {
 }
 
 Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& header,
-                                        std::uint64_t bytes, const std::string& head) {
+                                        std::uint64_t bytes, const std::string& head,
+                                        const std::string& frame) {
   return impl_->transact([&](pqxx::work& transaction) {
     // Locks the owner first, as `api` does. If two volumes finish at the same time, the second one
     // sees the first.
@@ -287,12 +289,14 @@ Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& he
                size_x = $3, size_y = $4, size_z = $5,
                spacing_x = $6, spacing_y = $7, spacing_z = $8,
                repairs = $9::text[], volume_bytes = $10, head = $11::jsonb, phases = $12,
+               frame_of_reference = CASE WHEN $13 <> '' THEN encode(sha256(convert_to(
+                   COALESCE((SELECT frame_key::text FROM users WHERE users.id = owner_id), '') || $13, 'UTF8')), 'hex') END,
                updated_at = now()
          WHERE id = $1)sql",
         job.data_set_id, volume::name_of(header.modality), static_cast<int>(header.size[0]),
         static_cast<int>(header.size[1]), static_cast<int>(header.size[2]), header.spacing[0],
         header.spacing[1], header.spacing[2], array_of(header.repairs),
-        static_cast<std::int64_t>(bytes), head, static_cast<int>(header.phase_count()));
+        static_cast<std::int64_t>(bytes), head, static_cast<int>(header.phase_count()), frame);
     return hold;
   });
 }

@@ -27,9 +27,10 @@ class PostgresJobs final : public JobStore {
   ~PostgresJobs() override;
 
   Result<std::optional<Job>> claim() override;
+  bool wait_for_work(std::chrono::milliseconds longest) override;
   Result<Hold> renew(const Job& job) override;
   Result<Hold> finish_ready(const Job& job, const volume::Header& header, std::uint64_t bytes,
-                            const std::string& head) override;
+                            const std::string& head, const std::string& frame) override;
   Result<Hold> finish_refused(const Job& job, const std::string& code,
                               const std::string& text) override;
   Result<Hold> note_cut(const Job& job, const std::string& content_hash,

@@ -10,6 +10,7 @@
 #include "common/log.h"
 #include "ingest/head/find_head.h"
 #include "ingest/pipeline/doubled_pause.h"
+#include "ingest/pipeline/lease.h"
 #include "volume/store.h"
 
 namespace diaphane::ingest {
@@ -67,10 +68,10 @@ void Worker::note_postgres(bool available) {
   }
 }
 
-void Worker::pause(std::chrono::milliseconds span) {
+void Worker::wait_for_work() {
   constexpr std::chrono::milliseconds kStep{50};
-  for (const auto until = Clock::now() + span; !stopping_ && Clock::now() < until;) {
-    std::this_thread::sleep_for(std::min(span, kStep));
+  for (const auto until = Clock::now() + options_.poll; !stopping_ && Clock::now() < until;) {
+    if (jobs_.wait_for_work(std::min(options_.poll, kStep))) return;
   }
 }
 
@@ -90,7 +91,7 @@ void Worker::run() {
     }
     const bool worked = work_once();
     const bool worked_elsewhere = !stopping_ && other_work_ && other_work_();
-    if (!worked && !worked_elsewhere) pause(options_.poll);
+    if (!worked && !worked_elsewhere) wait_for_work();
   }
 }
 
@@ -103,16 +104,13 @@ bool Worker::work_once() {
 }
 
 Builder::ShouldContinue Worker::keep_going(const Job& job, Hold& hold) {
-  return [this, &job, &hold, next_renewal = Clock::now() + options_.renew]() mutable {
-    if (stop_is_due()) return false;
-    if (Clock::now() < next_renewal) return true;
-    next_renewal = Clock::now() + options_.renew;
-    auto renewed = jobs_.renew(job);
-    note_postgres(renewed || renewed.error().code != ErrorCode::kUnavailable);
-    // While Postgres is unavailable, no other worker can claim the job either.
-    if (renewed) hold = *renewed;
-    return hold == Hold::kOurs;
-  };
+  return renewing([this] { return stop_is_due(); }, options_.renew,
+                  [this, &job, &hold] {
+                    const auto renewed = jobs_.renew(job);
+                    note_postgres(renewed || renewed.error().code != ErrorCode::kUnavailable);
+                    if (renewed) hold = *renewed;
+                    return hold == Hold::kOurs;
+                  });
 }
 
 void Worker::work(const Job& job) {
@@ -216,7 +214,7 @@ void Worker::finish(const Job& job, Build& build) {
   }
   const std::string head = verdict.ready ? to_json(find_head(build.volume)) : std::string();
   const auto hold = insist([&] {
-    return verdict.ready ? jobs_.finish_ready(job, build.volume.header, bytes, head)
+    return verdict.ready ? jobs_.finish_ready(job, build.volume.header, bytes, head, build.frame)
                          : jobs_.finish_refused(job, verdict.code, verdict.text);
   });
   fault_point("said");

@@ -34,7 +34,8 @@ class Worker {
   struct Options {
     std::string upload_dir;
     std::string volume_dir;
-    std::chrono::milliseconds poll{200};
+    /// How often to look for jobs that became due without a notification.
+    std::chrono::milliseconds poll{1000};
     std::chrono::milliseconds renew{1500};
     /// How long a build may continue after a stop was requested.
     std::chrono::milliseconds drain{1500};
@@ -87,7 +88,7 @@ class Worker {
   void remove_original(const Job& job);
   void discard_volume(const Job& job);
   void note_postgres(bool available);
-  void pause(std::chrono::milliseconds span);
+  void wait_for_work();
   bool stop_is_due();
   /// Retries `ask` until Postgres answers, or until the grace period after a stop request is over.
   template <typename Ask>

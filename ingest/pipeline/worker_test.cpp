@@ -28,17 +28,22 @@ class FakeJobs final : public JobStore {
     waiting.pop_front();
     return std::optional<Job>(job);
   }
+  bool wait_for_work(std::chrono::milliseconds longest) override {
+    std::this_thread::sleep_for(longest);
+    return false;
+  }
   Result<Hold> renew(const Job&) override {
     if (away > 0) return gone<Hold>();
     ++renewals;
     return hold;
   }
   Result<Hold> finish_ready(const Job& job, const volume::Header& header, std::uint64_t,
-                            const std::string&) override {
+                            const std::string&, const std::string& frame) override {
     if (away > 0) return gone<Hold>();
     if (hold_at_finish != Hold::kOurs) return hold_at_finish;
     ready.push_back(job.data_set_id);
     last_header = header;
+    last_frame = frame;
     return Hold::kOurs;
   }
   Result<Hold> finish_refused(const Job& job, const std::string& code,
@@ -124,6 +129,7 @@ class FakeJobs final : public JobStore {
   std::vector<std::pair<std::string, std::string>> refusals;
   std::vector<std::pair<std::string, std::size_t>> labelled;
   volume::Header last_header;
+  std::string last_frame;
 };
 
 class FakeBuilder final : public Builder {

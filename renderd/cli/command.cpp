@@ -15,6 +15,7 @@
 #include "renderd/cli/picture_file.h"
 #include "renderd/cli/report.h"
 #include "renderd/cli/scan_readers.h"
+#include "renderd/cli/second.h"
 #include "renderd/cli/stop_rule.h"
 #include "renderd/scene/contrast_agent.h"
 #include "renderd/scene/presets.h"
@@ -82,22 +83,31 @@ Result<diaphane::v1::Scene> scene_of_preset(const std::string& name, const volum
   return preset->scene();
 }
 
-/// Prints the labels of --labels, one per line.
-Result<void> print_labels(const Options& options) {
-  const auto input = read_input(options.input);
-  DIAPHANE_TRY(input);
-  const auto set = read_label_file(options.label_file, input->header);
-  DIAPHANE_TRY(set);
-  list_labels(*set, input->header, std::cout);
+/// Adds the labels of --labels and the parts that are found in the scan to its label set.
+Result<void> collect_labels(const Options& options, volume::Volume& input) {
+  if (!options.label_file.empty()) {
+    auto set = read_label_file(options.label_file, input.header);
+    DIAPHANE_TRY(set);
+    input.label_set = *std::move(set);
+  }
+  if (input.labels.empty()) cli::add_labels(input);
+  volume::list_found_labels(input);
   return {};
 }
 
-/// Adds the labels of --labels to the scan and to the scene.
+/// Prints the labels of the scan, one per line.
+Result<void> print_labels(const Options& options) {
+  auto input = read_input(options.input);
+  DIAPHANE_TRY(input);
+  DIAPHANE_TRY(collect_labels(options, *input));
+  list_labels(input->label_set, input->header, std::cout);
+  return {};
+}
+
+/// Adds the labels of the scan to the scene.
 Result<void> add_marked(const Options& options, volume::Volume& input, diaphane::v1::Scene& scene) {
-  if (options.label_file.empty()) return {};
-  auto set = read_label_file(options.label_file, input.header);
-  DIAPHANE_TRY(set);
-  input.label_set = *std::move(set);
+  if (options.label_file.empty() && options.labels.empty()) return {};
+  DIAPHANE_TRY(collect_labels(options, input));
   return show_labels(input.label_set, options.labels, scene);
 }
 
@@ -209,51 +219,78 @@ struct Rendered {
   Outcome outcome;
 };
 
+/// Reads the scan, or the phase of it that the scene or --phase says, without what surrounds the
+/// body.
+Result<volume::Volume> read_first(const Options& options,
+                                  const std::optional<diaphane::v1::Scene>& given) {
+  const std::uint32_t of_scene = given ? given->volume_phase() : 0;
+  auto input =
+      read_input(options.input, {options.phase.value_or(of_scene), options.phase.has_value()});
+  DIAPHANE_TRY(input);
+  if (!options.show_table && !(given && given->show_table())) {
+    DIAPHANE_TRY(show_only_body(*input));
+  }
+  return input;
+}
+
+/// Applies the options that change the scene.
+Result<void> adjust(const Options& options, volume::Volume& input, diaphane::v1::Scene& scene) {
+  if (options.bounces) scene.set_bounces(*options.bounces);
+  DIAPHANE_TRY(light_by_environment(options, scene));
+  DIAPHANE_TRY(add_marked(options, input, scene));
+  add_highlight(options, scene);
+  return {};
+}
+
+/// Interpolates slices, and loads the scan into the engine.
+Result<std::shared_ptr<const DeviceVolume>> load(const Options& options, Engine& engine,
+                                                 volume::Volume& input) {
+  volume::list_found_labels(input);
+  volume::widen_dense_parts(input);
+  if (!options.stored_slices) {
+    volume::refine_slices(
+        input, volume::refinement_of(input.header),
+        options.threads > 0 ? options.threads : std::thread::hardware_concurrency());
+  }
+  return engine.load(input);
+}
+
+/// Reads the scan of --over and shows it, if there is one.
+Result<void> add_second(const Options& options, Engine& engine, const volume::Volume& first,
+                        FrameRenderer& renderer, diaphane::v1::Scene& scene) {
+  if (options.over.empty()) return {};
+  auto second = read_second(options, first);
+  DIAPHANE_TRY(second);
+  DIAPHANE_TRY(show_second(options, first.header, second->volume.header, scene));
+  auto volume = load(options, engine, second->volume);
+  DIAPHANE_TRY(volume);
+  return renderer.set_second(*volume, second->to_first);
+}
+
 Result<Rendered> render(const Options& options) {
   // Makes the engine first: a missing device is found at once, while reading a series takes
   // seconds.
   auto engine = make_engine(options.engine, options.threads);
-  if (!engine) return tl::make_unexpected(engine.error());
+  DIAPHANE_TRY(engine);
   const auto given = scene_from_file(options);
-  if (!given) return tl::make_unexpected(given.error());
-  const std::uint32_t of_scene = *given ? (*given)->volume_phase() : 0;
-  auto input =
-      read_input(options.input, {options.phase.value_or(of_scene), options.phase.has_value()});
-  if (!input) return tl::make_unexpected(input.error());
-  if (!options.show_table && !(*given && (*given)->show_table())) {
-    if (const auto hidden = show_only_body(*input); !hidden) {
-      return tl::make_unexpected(hidden.error());
-    }
-  }
+  DIAPHANE_TRY(given);
+  auto input = read_first(options, *given);
+  DIAPHANE_TRY(input);
   auto scene =
       *given ? Result<diaphane::v1::Scene>(**given) : scene_of_preset(options.preset, *input);
-  if (!scene) return tl::make_unexpected(scene.error());
-  if (options.bounces) scene->set_bounces(*options.bounces);
-  if (const auto lit = light_by_environment(options, *scene); !lit) {
-    return tl::make_unexpected(lit.error());
-  }
-  if (const auto marked = add_marked(options, *input, *scene); !marked) {
-    return tl::make_unexpected(marked.error());
-  }
-  add_highlight(options, *scene);
-  volume::list_found_labels(*input);
-  if (!options.stored_slices) {
-    volume::refine_slices(
-        *input, volume::refinement_of(input->header),
-        options.threads > 0 ? options.threads : std::thread::hardware_concurrency());
-  }
-  auto volume = (*engine)->load(*input);
-  if (!volume) return tl::make_unexpected(volume.error());
+  DIAPHANE_TRY(scene);
+  DIAPHANE_TRY(adjust(options, *input, *scene));
+  auto volume = load(options, **engine, *input);
+  DIAPHANE_TRY(volume);
   auto renderer = (*engine)->renderer(*volume, options.seed, 0, options.method);
-  if (!renderer) return tl::make_unexpected(renderer.error());
+  DIAPHANE_TRY(renderer);
   (*renderer)->prepare_denoising(options.denoise);
-  if (auto set = (*renderer)->set_scene(*scene, options.canvas); !set) {
-    return tl::make_unexpected(set.error());
-  }
+  DIAPHANE_TRY(add_second(options, **engine, *input, **renderer, *scene));
+  DIAPHANE_TRY((*renderer)->set_scene(*scene, options.canvas));
   auto ending = render_all(**renderer, options);
-  if (!ending) return tl::make_unexpected(ending.error());
+  DIAPHANE_TRY(ending);
   auto picture = encode(**renderer, *picture_format(options.picture), options.denoise);
-  if (!picture) return tl::make_unexpected(picture.error());
+  DIAPHANE_TRY(picture);
   return Rendered{std::move(picture->bytes),
                   {(*engine)->info(), (*renderer)->progress(), ending->dropped, ending->reason,
                    (*renderer)->features(), (*renderer)->report(), picture->denoised,

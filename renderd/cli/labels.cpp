@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "volume/labels.h"
+
 namespace diaphane::render::cli {
 namespace {
 
@@ -39,7 +41,7 @@ void set_colour(const std::array<std::uint8_t, 3>& colour, diaphane::v1::Rgb* to
 std::vector<std::uint32_t> numbers_of(const volume::LabelSet& set, const std::string& name) {
   std::vector<std::uint32_t> found;
   for (const auto& entry : set.table) {
-    if (entry.name == name) found.push_back(entry.number);
+    if (volume::name_of(entry) == name) found.push_back(entry.number);
   }
   if (!found.empty()) return found;
   for (const auto& entry : set.table) {
@@ -88,7 +90,9 @@ Result<void> show_labels(const volume::LabelSet& set, const std::vector<LabelOpt
     const auto is_listed =
         std::any_of(scene.labels().begin(), scene.labels().end(),
                     [&](const auto& look) { return look.number() == entry.number; });
-    if (!is_listed) set_colour(entry.colour, look_of(scene, entry.number).mutable_colour());
+    const bool is_marked = volume::found_part(entry.number) == nullptr;
+    if (!is_listed && is_marked)
+      set_colour(entry.colour, look_of(scene, entry.number).mutable_colour());
   }
   for (const LabelOption& option : options) {
     const auto numbers = numbers_of(set, option.name);
@@ -118,7 +122,7 @@ void list_labels(const volume::LabelSet& set, const volume::Header& header, std:
     std::snprintf(text, sizeof text, "%u\t#%02x%02x%02x\t%.1f ml\t", entry.number,
                   unsigned{entry.colour[0]}, unsigned{entry.colour[1]}, unsigned{entry.colour[2]},
                   static_cast<double>(counts[i + 1]) * millilitres);
-    out << text << entry.name << '\n';
+    out << text << volume::name_of(entry) << '\n';
   }
 }
 

@@ -24,8 +24,9 @@ struct LabelOption {
 /// separated by commas. Returns nullopt for anything else.
 std::optional<LabelOption> parse_label(const std::string& text);
 
-/// Adds looks to a scene: the colours of the set for labels that the scene does not list, and then
-/// what the options say. Fails with kInvalid if the set has no label, or several, of that name.
+/// Adds looks to a scene: the colours of the set for labels that somebody has marked and that the
+/// scene does not list, and then what the options say. Fails with kInvalid if the set has no label,
+/// or several, of that name.
 Result<void> show_labels(const volume::LabelSet& set, const std::vector<LabelOption>& options,
                          diaphane::v1::Scene& scene);
 

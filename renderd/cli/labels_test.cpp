@@ -71,20 +71,34 @@ TEST(LabelOptions, ListsLabelsWithTheirVolumes) {
             "3\t#ff0000\t1.5 ml\tLiver\n5\t#00ff00\t1.0 ml\tVein\n8\t#0000ff\t0.5 ml\tVein\n");
 }
 
-TEST(LabelOptions, NeedAFileOfLabels) {
+TEST(LabelOptions, ShowFoundPartsByNameAndLeaveTheOthersAsTheyAre) {
+  volume::LabelSet set = example();
+  set.table[1] = {0xFFFFFF05, "", {236, 226, 200}};
+  diaphane::v1::Scene scene;
+  ASSERT_TRUE(show_labels(set, {}, scene));
+  EXPECT_EQ(scene.labels_size(), 2) << "nobody has marked the bone, so it gets no colour";
+  ASSERT_TRUE(show_labels(set, {*parse_label("bone=solo")}, scene));
+  ASSERT_EQ(scene.labels_size(), 3);
+  EXPECT_EQ(scene.labels(2).number(), 0xFFFFFF05u);
+  EXPECT_TRUE(scene.labels(2).solo());
+  std::ostringstream out;
+  list_labels(set, {}, out);
+  EXPECT_NE(out.str().find("\tbone\n"), std::string::npos) << out.str();
+}
+
+TEST(LabelOptions, NeedNoFileOfLabels) {
   const char* alone[] = {"diaphane-render", "in",    "--preset", "skin",
-                         "--out",           "a.png", "--label",  "Liver=0"};
-  const auto refused = parse(8, alone);
-  ASSERT_TRUE(std::holds_alternative<EarlyExit>(refused));
-  EXPECT_EQ(std::get<EarlyExit>(refused).exit_code, kExitUsage);
+                         "--out",           "a.png", "--label",  "bone=0"};
+  EXPECT_TRUE(std::holds_alternative<Options>(parse(8, alone)));
   const char* twice[] = {"diaphane-render", "in",      "--preset", "skin",
                          "--out",           "a.ppm",   "--labels", "l.nii",
                          "--label",         "Liver=0", "--label",  "Vein=#ff0000"};
   const auto parsed = parse(12, twice);
   ASSERT_TRUE(std::holds_alternative<Options>(parsed)) << std::get<EarlyExit>(parsed).text;
   EXPECT_EQ(std::get<Options>(parsed).labels.size(), 2u);
-  const char* listed[] = {"diaphane-render", "in", "--labels", "l.nii", "--list-labels"};
+  const char* listed[] = {"diaphane-render", "in", "--list-labels", "--labels", "l.nii"};
   EXPECT_TRUE(std::holds_alternative<Options>(parse(5, listed)));
+  EXPECT_TRUE(std::holds_alternative<Options>(parse(3, listed)));
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ Examples:
       --out ct.exr --json ct.json
   diaphane-render head.nii.gz --preset skin --labels nuclei.nii.gz --label 1=#e04030 \
       --label 2=solo --out nuclei.png
+  diaphane-render ct/ --preset skin --over pet/ --share 0.8 --out fused.png
   diaphane-render ct.nrrd --scene scene.json --error 0.02 --seconds 60 --out ct.png --json -
 
 The report (--json) contains these fields:
@@ -201,23 +202,22 @@ std::string check_label(const std::string& text) {
 }
 
 void add_labels(::CLI::App& app, Options& options, Texts& texts) {
-  auto* file = app.add_option("--labels", options.label_file,
-                              "labels of the scan, in their colours: a NIfTI label volume, a DICOM "
-                              "segmentation (SEG) or a DICOM structure set (RTSTRUCT)")
-                   ->type_name("FILE");
+  app.add_option("--labels", options.label_file,
+                 "labels of the scan, in their colours: a NIfTI label volume, a DICOM "
+                 "segmentation (SEG) or a DICOM structure set (RTSTRUCT)")
+      ->type_name("FILE");
   app.add_option("--label", texts.labels,
-                 "how to show a label, by name or number (0: all other matter): a colour "
+                 "how to show a label, by name or number (0: all other matter), also of the parts "
+                 "that are found in the scan (brain, bone, lungs, airways, vessels): a colour "
                  "(#rrggbb), an opacity (0 hides "
                  "it, 1 shows its matter as it is) and solo (hides all else), separated by commas; "
                  "may be repeated")
       ->type_name("NAME=LOOK")
       ->take_all()
       ->allow_extra_args(false)
-      ->check(check_label, "")
-      ->needs(file);
+      ->check(check_label, "");
   app.add_flag("--list-labels", options.list_labels,
-               "print number, colour, volume and name of each label, and render nothing")
-      ->needs(file);
+               "print number, colour, volume and name of each label, and render nothing");
 }
 
 void add_highlight(::CLI::App& app, Options& options, Texts& texts) {
@@ -227,6 +227,41 @@ void add_highlight(::CLI::App& app, Options& options, Texts& texts) {
       ->check(
           [&options](const std::string& text) { return parse_highlight(text, options.highlight); },
           "");
+}
+
+std::function<std::string(const std::string&)> part() {
+  return [](const std::string& text) -> std::string {
+    double number = 0;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), last, number);
+    if (error == std::errc{} && end == last && number >= 0 && number <= 1) return {};
+    return "must be a number from 0 to 1, but got '" + text + "'";
+  };
+}
+
+void add_second(::CLI::App& app, Options& options) {
+  auto* over = app.add_option("--over", options.over, "a second scan, shown over the first")
+                   ->type_name("SCAN");
+  app.add_option("--aligned", options.aligned,
+                 "how the second scan lies: auto aligns it by its contents, identity takes the "
+                 "positions in both scans, and a file is from diaphane-align --json (default: "
+                 "identity if both share a frame of reference)")
+      ->type_name("FILE")
+      ->needs(over);
+  app.add_option("--over-look", options.over_look,
+                 "look of the second scan: hot for PET, bone for CT, tint or same")
+      ->type_name("NAME")
+      ->needs(over);
+  app.add_option("--share", options.share,
+                 "0 shows the first scan alone, 0.5 both, 1 the second alone")
+      ->type_name("S")
+      ->check(part(), "")
+      ->needs(over);
+  app.add_option("--split", options.split,
+                 "show the second scan only to the right of this part of the picture's width")
+      ->type_name("X")
+      ->check(part(), "")
+      ->needs(over);
 }
 
 void add_stop_rule(::CLI::App& app, Options& options) {
@@ -318,6 +353,7 @@ std::variant<Options, EarlyExit> parse(int argc, const char* const* argv) {
   add_input(app, options, texts);
   add_labels(app, options, texts);
   add_highlight(app, options, texts);
+  add_second(app, options);
   add_stop_rule(app, options);
   add_engine(app, options, texts);
   add_method(app, options, texts);

@@ -34,6 +34,11 @@ struct Options {
   std::vector<LabelOption> labels;     ///< requires `label_file`
   /// Centre and radius of the sphere that is highlighted, mm.
   std::optional<std::array<double, 4>> highlight;
+  std::string over;             ///< the second scan; empty: none
+  std::string aligned;          ///< auto, identity or a file; empty: by the frame of reference
+  std::string over_look;        ///< empty: the scene's, or the default for the two scans
+  std::optional<double> share;  ///< overrides that of the scene or the look
+  std::optional<double> split;  ///< shows the second scan to the right of it
   Canvas canvas{512, 512};
   std::optional<std::uint32_t> samples;  ///< per pixel
   std::optional<double> error;           ///< estimated error at which to stop

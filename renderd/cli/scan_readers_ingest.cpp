@@ -1,9 +1,11 @@
 // Uses the readers of ingestd, so that both programs accept the same scans and show the same
 // volumes.
+#include "common/try.h"
 #include "ingest/body/label_body.h"
 #include "ingest/build/read_folder.h"
 #include "ingest/build/read_image.h"
 #include "ingest/labels/read_labels.h"
+#include "ingest/registration/register.h"
 #include "renderd/cli/scan_readers.h"
 
 namespace diaphane::render::cli {
@@ -22,6 +24,12 @@ Result<volume::Volume> read_image_file(const std::string& path) {
 
 Result<volume::LabelSet> read_label_file(const std::string& path, const volume::Header& scan) {
   return ingest::read_label_file(path, scan);
+}
+
+Result<volume::Matrix> align_scans(const volume::Volume& first, const volume::Volume& second) {
+  const auto found = ingest::register_rigid(ingest::reduced(first), ingest::reduced(second));
+  DIAPHANE_TRY(found);
+  return found->to_fixed;
 }
 
 void add_labels(volume::Volume& volume) { volume.labels = ingest::found_labels(volume); }

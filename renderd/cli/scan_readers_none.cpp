@@ -18,6 +18,9 @@ Result<volume::Volume> read_image_file(const std::string&) { return without_read
 Result<volume::LabelSet> read_label_file(const std::string&, const volume::Header&) {
   return without_readers();
 }
+Result<volume::Matrix> align_scans(const volume::Volume&, const volume::Volume&) {
+  return without_readers();
+}
 void add_labels(volume::Volume&) {}
 
 }  // namespace diaphane::render::cli

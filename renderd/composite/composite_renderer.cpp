@@ -47,8 +47,20 @@ Result<void> CompositeRenderer::set_volume(std::shared_ptr<const DeviceVolume> v
   return {};
 }
 
+Result<void> CompositeRenderer::set_second(std::shared_ptr<const DeviceVolume> volume,
+                                           const volume::Matrix& to_first) {
+  auto ours = std::dynamic_pointer_cast<const CompositeVolume>(volume);
+  if (volume && !ours) {
+    return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+  }
+  DIAPHANE_TRY(own_->set_second(ours ? ours->copy(home_) : nullptr, to_first));
+  has_second_ = ours != nullptr;
+  return {};
+}
+
 Result<void> CompositeRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
   if (auto taken = own_->set_scene(scene, canvas); !taken) return taken;
+  alone_ = has_second_ && scene.overlay().has_transfer_function();
   task_.epoch = ++epoch_;
   task_.scene = std::make_shared<const diaphane::v1::Scene>(scene);
   task_.volume = next_volume_;
@@ -66,6 +78,7 @@ Result<void> CompositeRenderer::set_scene(const diaphane::v1::Scene& scene, Canv
 }
 
 Division CompositeRenderer::choose() const {
+  if (alone_) return Division::kAverage;
   if (options_.division) return *options_.division;
   DivisionInput input;
   input.canvas = task_.canvas;

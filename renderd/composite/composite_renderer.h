@@ -43,6 +43,9 @@ class CompositeRenderer final : public FrameRenderer {
                     std::size_t home = 0);
 
   Result<void> set_volume(std::shared_ptr<const DeviceVolume> volume) override;
+  /// While a scene shows a second scan, only the own device renders it.
+  Result<void> set_second(std::shared_ptr<const DeviceVolume> volume,
+                          const volume::Matrix& to_first) override;
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override;
   Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override;
   Progress progress() const override;
@@ -78,13 +81,18 @@ class CompositeRenderer final : public FrameRenderer {
   Result<void> await_bands(const std::function<bool()>& stop);
   void learn_own(const Batch& batch);
   bool has_gaps() const;
-  bool can_help(const Helper& helper) const { return !helper.silent && !helper.assistant->lost(); }
+  bool can_help(const Helper& helper) const {
+    return !alone_ && !helper.silent && !helper.assistant->lost();
+  }
 
   const std::unique_ptr<FrameRenderer> own_;
   const CompositeOptions options_;
   const std::size_t home_;  ///< device of `own_`
   std::vector<Helper> helpers_;
   std::shared_ptr<const CompositeVolume> next_volume_;  ///< AssistTask::volume of the next scene
+
+  bool has_second_ = false;  ///< set_second()
+  bool alone_ = false;       ///< the scene shows the second scan, which no assistant has
 
   AssistTask task_;  ///< task of this epoch, without the share
   std::uint64_t epoch_ = 0;

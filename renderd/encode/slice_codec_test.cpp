@@ -42,5 +42,19 @@ TEST(SliceCodec, CompressesUniformSliceWell) {
   EXPECT_EQ(decoded(*coded, values.size()), values);
 }
 
+TEST(SliceCodec, RoundTripsLabelsAndLeavesOutSlicesWithoutLabels) {
+  std::vector<std::uint8_t> labels(1000);
+  EXPECT_EQ(code_labels(labels).value(), "");
+  for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = static_cast<std::uint8_t>(i);
+  const std::string coded = code_labels(labels).value();
+  std::vector<std::uint8_t> bytes(labels.size());
+  auto length = static_cast<uLongf>(bytes.size());
+  ASSERT_EQ(uncompress(bytes.data(), &length, reinterpret_cast<const Bytef*>(coded.data()),
+                       static_cast<uLong>(coded.size())),
+            Z_OK);
+  EXPECT_EQ(length, labels.size());
+  EXPECT_EQ(bytes, labels);
+}
+
 }  // namespace
 }  // namespace diaphane::render

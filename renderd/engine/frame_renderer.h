@@ -14,6 +14,7 @@
 #include "renderd/engine/picture_source.h"
 #include "renderd/engine/progressive_renderer.h"
 #include "renderd/kernel/method.h"
+#include "volume/alignment.h"
 #include "volume/volume.h"
 
 namespace diaphane::render {
@@ -49,6 +50,12 @@ class FrameRenderer : public ProgressiveRenderer, public PictureSource, public F
   /// the volume.
   virtual Result<void> set_volume(std::shared_ptr<const DeviceVolume>) {
     return fail(ErrorCode::kUnsupported, "this renderer always shows the same volume");
+  }
+  /// Sets the second scan of the following scenes, and how it lies (Scene.overlay). Null removes
+  /// it. The current scene and its picture keep theirs until set_scene() succeeds. Fails with
+  /// kInternal if another engine loaded the volume.
+  virtual Result<void> set_second(std::shared_ptr<const DeviceVolume>, const volume::Matrix&) {
+    return fail(ErrorCode::kUnsupported, "this renderer shows one scan");
   }
 };
 

@@ -40,14 +40,15 @@ using SampleOf = typename SampleChoice<F.has(Feature::kGuides)>::Type;
 /// Returns the transmittance from `place` (voxel indices) along the unit `direction` (mm) for
 /// `distance` mm, estimated by tracking.
 template <Features F, typename Volume>
-HOST_DEVICE float tracked_visibility(const SceneView<Volume>& scene, Float3 place, Float3 direction,
-                                     float distance, Random& random) {
+HOST_DEVICE float tracked_visibility(const SceneView<Volume>& scene, SharesOf<F> shares,
+                                     Float3 place, Float3 direction, float distance,
+                                     Random& random) {
   const Ray ray{place, direction * scene.inverse_spacing};
   const Span span = clip_span<F>(scene, ray, clip(ray, scene.grid.occupied, Span{0.0f, distance}),
                                  RayKind::kLight);
   if (!(span.begin < span.end)) return 1.0f;
-  return transmittance<F.has(Feature::kSteepExtinction)>(ray, span, scene.grid, medium_of<F>(scene),
-                                                         random);
+  return transmittance<F.has(Feature::kSteepExtinction)>(ray, span, scene.grid,
+                                                         medium_of<F>(scene, shares), random);
 }
 
 /// Number of collisions after which a path may end by roulette. Before, roulette adds more noise
@@ -63,10 +64,9 @@ inline constexpr std::uint32_t kFirstRoulette = 3;
 /// that sample directions of the scattering need no rays of their own, because the path itself
 /// continues in such a direction.
 template <Features F, typename Volume>
-HOST_DEVICE Float3 indirect_light(const SceneView<Volume>& scene, Float3 place, Scatter<F> scatter,
-                                  Random& random) {
-  Float3 radiance{0.0f, 0.0f, 0.0f};
-  Float3 weight{1.0f, 1.0f, 1.0f};
+HOST_DEVICE Float3 indirect_light(const SceneView<Volume>& scene, SharesOf<F> shares, Float3 place,
+                                  Scatter<F> scatter, Random& random) {
+  Float3 radiance{0.0f, 0.0f, 0.0f}, weight{1.0f, 1.0f, 1.0f};
   if (scene.bounces < 2) return radiance;
   for (std::uint32_t collisions = 1;; ++collisions) {
     const Random::Pair u = random.two();
@@ -83,8 +83,8 @@ HOST_DEVICE Float3 indirect_light(const SceneView<Volume>& scene, Float3 place, 
                                    RayKind::kLight);
     Collision hit{0.0f, 0.0f, false, false};
     if (span.begin < span.end) {
-      hit = track<F.has(Feature::kSteepExtinction)>(ray, span, scene.grid, medium_of<F>(scene),
-                                                    random);
+      hit = track<F.has(Feature::kSteepExtinction)>(ray, span, scene.grid,
+                                                    medium_of<F>(scene, shares), random);
     }
     if constexpr (F.has(Feature::kAreaLights) && kMixes<F>) {
       if (collisions > 1) {
@@ -105,9 +105,9 @@ HOST_DEVICE Float3 indirect_light(const SceneView<Volume>& scene, Float3 place, 
     place = ray.at(hit.distance);
     float choice = 0.5f;
     if constexpr (F.has(Feature::kHybrid)) choice = random.one();
-    scatter = scatter_at<F>(scene, place, hit.value, next.direction, choice);
+    scatter = scatter_at<F>(scene, place, hit.value, next.direction, choice, hit.second);
     if constexpr (F.has(Feature::kEmission)) {
-      radiance += weight * emission_at(scene.transfer, hit.value);
+      radiance += weight * emission_at(transfer_of<F>(scene, hit.second), hit.value);
     }
     for (std::uint32_t i = 0; i < strategy_count<F>(); ++i) {
       const Strategy strategy = strategy_at<F>(i);
@@ -117,8 +117,9 @@ HOST_DEVICE Float3 indirect_light(const SceneView<Volume>& scene, Float3 place, 
       }
       const LightRay light = light_ray<F>(scene, place, scatter, strategy, random.two());
       if (light.lit) {
-        radiance += weight * light.weight *
-                    tracked_visibility<F>(scene, place, light.direction, light.distance, random);
+        radiance +=
+            weight * light.weight *
+            tracked_visibility<F>(scene, shares, place, light.direction, light.distance, random);
       }
     }
   }
@@ -141,32 +142,34 @@ HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x
   if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
   const CameraRay camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
                                          static_cast<float>(scene.first_row + y) + jitter.b, lens);
-  const PrimaryHit primary = primary_hit<F>(scene, camera);
+  const SharesOf<F> shares = shares_at<F>(scene, static_cast<float>(x) + jitter.a);
+  const PrimaryHit primary = primary_hit<F>(scene, camera, shares);
   const Span span = primary.span;
   SampleOf<F> result{};
   result.radiance = primary.background;
   result.hit_medium = result.shows_slice = primary.slice;
   if constexpr (F.has(Feature::kGuides)) {
-    if (sample < kGuidedSamples) result.guides = guides_along<F>(scene, camera.ray, span);
+    if (sample < kGuidedSamples) result.guides = guides_along<F>(scene, camera.ray, span, shares);
   }
   if (!(span.begin < span.end)) return result;
-  const Collision hit = track<F.has(Feature::kSteepExtinction)>(camera.ray, span, scene.grid,
-                                                                medium_of<F>(scene), random);
+  const Collision hit = track<F.has(Feature::kSteepExtinction)>(
+      camera.ray, span, scene.grid, medium_of<F>(scene, shares), random);
   result.hit_medium |= hit.hit_medium;
   if (!hit.found) return result;
   result.shows_slice = false;
   const Float3 place = camera.ray.at(hit.distance);
   float choice = 0.5f;
   if constexpr (F.has(Feature::kHybrid)) choice = pair(Points::kPick).a;
-  const Scatter<F> scatter = scatter_at<F>(scene, place, hit.value, camera.direction, choice);
+  const Scatter<F> scatter =
+      scatter_at<F>(scene, place, hit.value, camera.direction, choice, hit.second);
   result.radiance = {0.0f, 0.0f, 0.0f};
   if constexpr (F.has(Feature::kEmission)) {
-    result.radiance = emission_at(scene.transfer, hit.value);
+    result.radiance = emission_at(transfer_of<F>(scene, hit.second), hit.value);
   }
   const auto add = [&](const LightRay& light) {
     if (!light.lit) return;
     const float visibility =
-        tracked_visibility<F>(scene, place, light.direction, light.distance, random);
+        tracked_visibility<F>(scene, shares, place, light.direction, light.distance, random);
     result.radiance += light.weight * visibility;
   };
   for (std::uint32_t i = 0; i < strategy_count<F>(); ++i) {
@@ -176,7 +179,7 @@ HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x
     }
   }
   if constexpr (F.has(Feature::kBounces)) {
-    result.radiance += indirect_light<F>(scene, place, scatter, random);
+    result.radiance += indirect_light<F>(scene, shares, place, scatter, random);
   }
   return result;
 }

@@ -24,7 +24,7 @@ struct CameraSample {
     if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
     camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
                            static_cast<float>(scene.first_row + y) + jitter.b, lens);
-    primary = primary_hit<F>(scene, camera);
+    primary = primary_hit<F>(scene, camera, shares_at<F>(scene, 0.0f));
   }
 };
 
@@ -59,7 +59,8 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
   HitTask task{};
   if constexpr (F.has(Feature::kBounces)) {
     if (kind == kIndirect) {
-      task.radiance = indirect_light<F>(scene, place, scatter, own) * share;
+      task.radiance =
+          indirect_light<F>(scene, shares_at<F>(scene, 0.0f), place, scatter, own) * share;
       return task;
     }
   }

@@ -31,6 +31,7 @@ enum class Feature : std::uint32_t {
   kGuides,               ///< depth, albedo and normal of the visible matter, for the denoiser
   kCurves,               ///< the extinction is not a single linear function of the value
   kLabels,               ///< labels or a highlight change the extinction or the colour of matter
+  kOverlay,              ///< a second scan in the same space
   kCount
 };
 inline constexpr std::uint32_t kFeatureCount = static_cast<std::uint32_t>(Feature::kCount);
@@ -55,7 +56,8 @@ inline constexpr const char* kFeatureNames[kFeatureCount] = {"area light",
                                                              "steep extinction",
                                                              "denoiser guides",
                                                              "curves",
-                                                             "labels"};
+                                                             "labels",
+                                                             "second scan"};
 
 /// A set of features; structural, so that it can be a template argument.
 struct Features {

@@ -29,14 +29,17 @@ HOST_DEVICE LabelLook look_at(const LabelsView& labels, Int3 size, Float3 place)
 /// A medium whose extinction is the transfer function of the interpolated voxel value.
 template <typename Volume>
 struct Medium {
+  static constexpr bool kTwoScans = false;
+
   const Volume& volume;
   const TransferView& transfer;
 
   HOST_DEVICE float extinction(float value, Float3 /*place*/) const {
     return extinction_at(transfer, value);
   }
-  /// Returns an upper bound of the extinction in a cell between voxel centres (VoxelWalk).
-  HOST_DEVICE float majorant(Int3 cell) const {
+  /// Returns an upper bound of the extinction in the part of a cell between voxel centres
+  /// (VoxelWalk) that lies in a macrocell.
+  HOST_DEVICE float majorant(Int3 cell, std::int32_t /*macrocell*/) const {
     return largest_extinction(transfer, volume.corner_range(cell));
   }
 };
@@ -44,6 +47,8 @@ struct Medium {
 /// A medium whose extinction is that of Medium times the opacity of the label at the place.
 template <typename Volume>
 struct LabelledMedium {
+  static constexpr bool kTwoScans = false;
+
   const Volume& volume;
   const TransferView& transfer;
   const LabelsView& labels;
@@ -51,7 +56,7 @@ struct LabelledMedium {
   HOST_DEVICE float extinction(float value, Float3 place) const {
     return look_at(labels, volume.size, place).opacity * extinction_at(transfer, value);
   }
-  HOST_DEVICE float majorant(Int3 cell) const {
+  HOST_DEVICE float majorant(Int3 cell, std::int32_t /*macrocell*/) const {
     // The cell overlaps the eight voxels at its corners, each of which may have another label.
     float most = 0.0f;
     for (int corner = 0; corner < 8; ++corner) {
@@ -75,8 +80,9 @@ HOST_DEVICE Float3 albedo_of(const SceneView<Volume>& scene, Float3 place, const
   return albedo + (highlight.colour - albedo) * highlight.strength;
 }
 
+/// Returns the medium of the first scan. See medium_of() in overlay.h.
 template <Features F, typename Volume>
-HOST_DEVICE auto medium_of(const SceneView<Volume>& scene) {
+HOST_DEVICE auto first_medium_of(const SceneView<Volume>& scene) {
   if constexpr (F.has(Feature::kLabels)) {
     return LabelledMedium<Volume>{scene.volume, scene.transfer, scene.labels};
   } else {

@@ -4,6 +4,7 @@
 #include "renderd/kernel/clip.h"
 #include "renderd/kernel/environment.h"
 #include "renderd/kernel/features.h"
+#include "renderd/kernel/overlay.h"
 #include "renderd/kernel/slices.h"
 #include "renderd/kernel/views.h"
 #include "renderd/kernel/walk.h"
@@ -19,7 +20,8 @@ struct PrimaryHit {
 };
 
 template <Features F, typename Volume>
-HOST_DEVICE PrimaryHit primary_hit(const SceneView<Volume>& scene, const CameraRay& camera) {
+HOST_DEVICE PrimaryHit primary_hit(const SceneView<Volume>& scene, const CameraRay& camera,
+                                   [[maybe_unused]] SharesOf<F> shares) {
   const Ray& ray = camera.ray;
   PrimaryHit primary{clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f}),
                      escape_radiance<F>(scene, camera.direction, camera.off_centre), false};
@@ -28,7 +30,7 @@ HOST_DEVICE PrimaryHit primary_hit(const SceneView<Volume>& scene, const CameraR
     const SliceHit hit = nearest_slice<F>(scene, ray);
     if (hit.found) {
       primary.span.end = min(primary.span.end, hit.distance);
-      primary.background = slice_radiance(scene, scene.volume.at(hit.place));
+      primary.background = slice_radiance_at<F>(scene, hit.place, shares);
       primary.slice = true;
     }
   }

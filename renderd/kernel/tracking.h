@@ -1,7 +1,7 @@
 #pragma once
 
-#include "renderd/kernel/labels.h"
 #include "renderd/kernel/medium.h"
+#include "renderd/kernel/overlay.h"
 #include "renderd/kernel/views.h"
 #include "renderd/kernel/walk.h"
 #include "renderd/math/random.h"
@@ -21,9 +21,10 @@ inline constexpr float kDeepCell = 16.0f;
 
 struct Collision {
   float distance;  ///< mm along the ray
-  float value;     ///< voxel value there
+  float value;     ///< voxel value there, of the scan that the matter belongs to
   bool found;
   bool hit_medium;  ///< the extinction was not 0 at a tentative collision, so the ray meets matter
+  bool second = false;  ///< the matter belongs to the second scan
 };
 
 /// Tracks a ray through `piece` by delta tracking under `majorant` > 0. `pending` is the optical
@@ -46,6 +47,11 @@ HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant, const A
       hit.distance = t;
       hit.value = value;
       hit.found = true;
+      if constexpr (AnyMedium::kTwoScans) {
+        // Given a collision, the product is uniform below the extinction.
+        hit.second = !(u.a * majorant < medium.first_extinction(value, place));
+        if (hit.second) hit.value = medium.second_value(place);
+      }
       return;
     }
     depth += u.b;
@@ -70,7 +76,7 @@ HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
       if (majorant * (piece.end - piece.begin) > kDeepCell) {
         VoxelWalk voxels(ray, piece, medium.volume.size);
         do {
-          const float local = medium.majorant(voxels.coordinates());
+          const float local = medium.majorant(voxels.coordinates(), walk.cell());
           if (!(local > 0.0f)) continue;
           track_piece(ray, Span{voxels.begin(), voxels.end()}, local, medium, random, pending, hit);
           if (hit.found) return hit;
@@ -140,7 +146,7 @@ HOST_DEVICE float transmittance(const Ray& ray, Span span, const GridView& grid,
       if ((bounds.majorant - bounds.minorant) * length > kDeepCell) {
         VoxelWalk voxels(ray, piece, medium.volume.size);
         do {
-          const float local = medium.majorant(voxels.coordinates());
+          const float local = medium.majorant(voxels.coordinates(), walk.cell());
           if (!(local > bounds.minorant)) continue;
           dim_by_piece(ray, Span{voxels.begin(), voxels.end()}, CellBounds{bounds.minorant, local},
                        medium, random, pending, ratio);

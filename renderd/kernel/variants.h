@@ -11,6 +11,7 @@ namespace diaphane::render {
 /// time. An extinction that is a single linear function of the value is rare, so only exact sets
 /// omit kCurves.
 inline constexpr Features kCurved = Features{}.with(Feature::kCurves);
+inline constexpr Features kOneScan = kAllFeatures.without(Feature::kOverlay);
 inline constexpr Features kVariants[] = {
     kCurved.with(Feature::kEnvironment),
     kCurved.with(Feature::kAreaLights).with(Feature::kEnvironment),
@@ -38,9 +39,12 @@ inline constexpr Features kVariants[] = {
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
         .with(Feature::kGuides),
-    // Sets with labels come last, so that scenes without labels use kernels without them.
-    kAllFeatures.without(Feature::kGuides).without(Feature::kLabels),
-    kAllFeatures.without(Feature::kLabels),
+    // Sets with labels and with a second scan come last, so that other scenes use kernels without
+    // them.
+    kOneScan.without(Feature::kGuides).without(Feature::kLabels),
+    kOneScan.without(Feature::kLabels),
+    kOneScan.without(Feature::kGuides),
+    kOneScan,
     kAllFeatures.without(Feature::kGuides),
     kAllFeatures,
 };

@@ -255,6 +255,30 @@ struct HighlightView {
   float strength;        ///< share of `colour`, in [0, 1]; 0: no highlight
 };
 
+/// An affine map of voxel indices.
+struct AffineMap {
+  Float3 rows[3];
+  Float3 shift;
+};
+
+/// The second scan of a scene (Feature::kOverlay).
+template <typename Volume>
+struct OverlayView {
+  Volume volume;
+  TransferView transfer;
+  AffineMap map;           ///< from voxel indices of the first scan to those of the second
+  const float* majorants;  ///< of the second scan's extinction, by macrocell of the first scan
+  float step;              ///< smallest spacing of the second scan, mm
+  float surfaces;          ///< as SceneView::surfaces, for the second scan
+  float per_extinction;    ///< as SlicesView::per_extinction, for the second scan
+  /// Factors of the extinctions of both scans: 1 and 0 if the scene has no second scan, but the
+  /// kernel has the feature.
+  float first_share, second_share;
+  float first_in_slices, second_in_slices;  ///< factors of the opacities in slices
+  bool split;          ///< paths left of `split_column` meet the first scan, the others the second
+  float split_column;  ///< in the whole picture
+};
+
 struct SlicesView {
   Float3 position;       ///< position along each voxel axis, voxel indices; < 0: no slice
   bool coloured;         ///< coloured by the transfer function; false: grey by the window
@@ -292,6 +316,7 @@ struct SceneView {
   SlicesView slices;
   LabelsView labels;
   HighlightView highlight;
+  OverlayView<Volume> overlay;
   float phase_g;
   /// A place where the extinction has the gradient G (per mm^2) is a surface with the probability
   /// 1 - exp(-|G| surfaces). Unit mm^2; 0 means never, infinity wherever there is a gradient.

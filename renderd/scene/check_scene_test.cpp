@@ -194,6 +194,13 @@ const Fault kFaultsOfTheView[] = {
      [](Scene& s) {
        for (std::uint32_t i = 1; i <= 257; ++i) s.add_labels()->set_number(i);
      }},
+    {"overlay.transferFunction.channels",
+     [](Scene& s) { s.mutable_overlay()->mutable_transfer_function(); }},
+    {"overlay.share", [](Scene& s) { s.mutable_overlay()->set_share(1.01); }},
+    {"overlay.share", [](Scene& s) { s.mutable_overlay()->set_share(kNan); }},
+    {"overlay.split", [](Scene& s) { s.mutable_overlay()->set_split(-0.01); }},
+    {"overlay.mode",
+     [](Scene& s) { s.mutable_overlay()->set_mode(static_cast<diaphane::v1::Overlay::Mode>(9)); }},
     {"highlight.radius", [](Scene& s) { s.mutable_highlight(); }},
     {"highlight.centre.y",
      [](Scene& s) {

@@ -19,22 +19,42 @@
 namespace diaphane::render {
 namespace {
 
-/// Returns SceneView::surfaces. The scene's scale applies to gradients of the opacity, the kernel's
-/// to gradients of the extinction.
-float surfaces_of(const diaphane::v1::Scene& scene) {
-  constexpr double kUsualScale = 0.1;
-  switch (scene.shading().mode()) {
-    case diaphane::v1::Shading::SURFACE:
-      return std::numeric_limits<float>::infinity();
-    case diaphane::v1::Shading::HYBRID: {
-      const double given = scene.shading().gradient_scale();
-      const double scale = (given > 0 ? given : kUsualScale);
-      const double densest = scene.transfer_function().extinction_per_mm();
-      return static_cast<float>(std::min(1 / (scale * std::max(densest, 1e-30)), 1e38));
-    }
-    default:
-      return 0;
+/// Adds what the matter of the second scan needs.
+Features with_overlay(Features features, const PreparedScene& s) {
+  if (!s.overlay) return features;
+  const PreparedTransfer& t = *s.overlay->transfer;
+  const bool surfaces = features.has(Feature::kSurfaces);
+  return features.with(Feature::kOverlay)
+      .with(Feature::kCurves)
+      .with(Feature::kGloss, features.has(Feature::kGloss) || (surfaces && !t.gloss.empty()))
+      .with(Feature::kEmission, features.has(Feature::kEmission) || !t.emission.empty());
+}
+
+/// Returns the transfer function: that of the previous scene if it is the same.
+std::shared_ptr<const PreparedTransfer> transfer_of(const diaphane::v1::Scene& scene,
+                                                    const ValueGrid& grid, Int3 size,
+                                                    Float3 spacing, const PreparedScene* before,
+                                                    const diaphane::v1::Scene* before_scene,
+                                                    TransferCache* baked) {
+  using google::protobuf::util::MessageDifferencer;
+  const auto& function = scene.transfer_function();
+  if (before != nullptr && before_scene != nullptr &&
+      MessageDifferencer::Equals(before_scene->transfer_function(), function)) {
+    return before->transfer;
   }
+  if (baked != nullptr) return baked->get(function, grid, size, spacing);
+  return std::make_shared<const PreparedTransfer>(prepare_transfer(function, grid, size, spacing));
+}
+
+/// Returns whether the overlay of the previous scene is also that of this one, apart from the
+/// second scan itself. A change of the camera does not change it.
+bool keeps_overlay(const PreparedScene& s, const diaphane::v1::Scene& scene,
+                   const PreparedScene* before, const diaphane::v1::Scene* before_scene) {
+  using google::protobuf::util::MessageDifferencer;
+  return before != nullptr && before_scene != nullptr && before->transfer == s.transfer &&
+         before->labels == s.labels && before->canvas.width == s.canvas.width &&
+         MessageDifferencer::Equals(before_scene->overlay(), scene.overlay()) &&
+         MessageDifferencer::Equals(before_scene->shading(), scene.shading());
 }
 
 Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, Features lights) {
@@ -44,18 +64,25 @@ Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, F
           .with(Feature::kOrthographic, scene.camera().orthographic_height() > 0)
           .with(Feature::kClip, s.clip.count > 0)
           .with(Feature::kSlices, any_slice(s.slices));
-  if (!s.matter) return visible.with(Feature::kTexturedEnvironment, s.maps_visible);
-  return Features{visible.bits | lights.bits}
-      .with(Feature::kAnisotropicPhase, s.phase_g != 0)
-      .with(Feature::kCurves, s.transfer->exact.pieces.size() != 1)
-      .with(Feature::kSurfaces, s.surfaces > 0)
-      .with(Feature::kHybrid, s.surfaces > 0 && std::isfinite(s.surfaces))
-      .with(Feature::kGloss, s.surfaces > 0 && !s.transfer->gloss.empty())
-      .with(Feature::kEmission, !s.transfer->emission.empty())
-      .with(Feature::kBounces, s.bounces > 1)
-      .with(Feature::kSteepExtinction, s.labels ? s.labels->steep : s.transfer->steep)
-      .with(Feature::kLabels, s.labels != nullptr || s.highlight.strength > 0)
-      .with(Feature::kClipLight, s.clip.light_count > 0);
+  if (!s.matter) {
+    return visible.with(Feature::kTexturedEnvironment, s.maps_visible)
+        .with(Feature::kOverlay, s.overlay != nullptr);
+  }
+  const Features features =
+      Features{visible.bits | lights.bits}
+          .with(Feature::kAnisotropicPhase, s.phase_g != 0)
+          .with(Feature::kCurves, s.transfer->exact.pieces.size() != 1)
+          .with(Feature::kSurfaces, s.surfaces > 0)
+          .with(Feature::kHybrid, s.surfaces > 0 && std::isfinite(s.surfaces))
+          .with(Feature::kGloss, s.surfaces > 0 && !s.transfer->gloss.empty())
+          .with(Feature::kEmission, !s.transfer->emission.empty())
+          .with(Feature::kBounces, s.bounces > 1)
+          .with(Feature::kSteepExtinction, s.overlay  ? s.overlay->steep
+                                           : s.labels ? s.labels->steep
+                                                      : s.transfer->steep)
+          .with(Feature::kLabels, s.labels != nullptr || s.highlight.strength > 0)
+          .with(Feature::kClipLight, s.clip.light_count > 0);
+  return with_overlay(features, s);
 }
 
 HighlightView prepare_highlight(const diaphane::v1::Scene& scene, const WorldToFrame& frame) {
@@ -146,13 +173,14 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
 
 bool use_exact_walk(const PreparedScene& scene, Method method) {
   return method.walk != Walk::kTracking && !scene.transfer->exact.pieces.empty() &&
-         scene.labels == nullptr;
+         scene.labels == nullptr && scene.overlay == nullptr;
 }
 
 Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
                                     const volume::Header& header, const ValueGrid& grid,
                                     const PreparedScene* before,
-                                    const diaphane::v1::Scene* before_scene, TransferCache* baked) {
+                                    const diaphane::v1::Scene* before_scene, TransferCache* baked,
+                                    const SecondScan* second) {
   DIAPHANE_TRY(check_scene(scene));
   if (!is_sound(canvas)) {
     return fail(
@@ -185,27 +213,24 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   // The fp32 number below 1. At exactly 1 or -1 the phase function has no density.
   constexpr float kMostForward = 0x1.fffffep-1f;
   out.phase_g = std::clamp(static_cast<float>(scene.phase().g()), -kMostForward, kMostForward);
-  out.surfaces = surfaces_of(scene);
+  out.surfaces = surfaces_of(scene.shading(), scene.transfer_function().extinction_per_mm());
   out.bounces = std::max(scene.bounces(), 1u);
   prepare_background(scene.display(), out);
   out.exposure = scene.display().exposure();
   out.automatic_exposure = scene.display().automatic_exposure() && !any_slice(out.slices);
   out.curve = curve_of(scene.display());
-  using google::protobuf::util::MessageDifferencer;
-  if (before != nullptr && before_scene != nullptr &&
-      MessageDifferencer::Equals(before_scene->transfer_function(), scene.transfer_function())) {
-    out.transfer = before->transfer;
-  } else if (baked != nullptr) {
-    out.transfer = baked->get(scene.transfer_function(), grid, size, out.spacing);
-  } else {
-    out.transfer = std::make_shared<const PreparedTransfer>(
-        prepare_transfer(scene.transfer_function(), grid, size, out.spacing));
-  }
+  out.transfer = transfer_of(scene, grid, size, out.spacing, before, before_scene, baked);
   const bool keeps_labels = before_scene != nullptr && before != nullptr &&
                             before->transfer == out.transfer &&
                             have_same_labels(*before_scene, scene);
   out.labels = keeps_labels ? before->labels
                             : prepare_labels(scene, *out.transfer, grid.labels, size, out.spacing);
+  if (second != nullptr && keeps_overlay(out, scene, before, before_scene) && second->as_before) {
+    out.overlay = before->overlay;
+  } else if (second != nullptr) {
+    out.overlay =
+        prepare_overlay(scene, *out.transfer, first_bounds_of(out), header, canvas.width, *second);
+  }
   out.features = features_of(scene, out, light_features);
   return out;
 }

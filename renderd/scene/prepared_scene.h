@@ -15,6 +15,7 @@
 #include "renderd/scene/grid.h"
 #include "renderd/scene/labels.h"
 #include "renderd/scene/light_textures.h"
+#include "renderd/scene/overlay.h"
 #include "renderd/scene/transfer.h"
 #include "volume/volume.h"
 
@@ -29,6 +30,8 @@ struct PreparedScene {
   std::shared_ptr<const PreparedTransfer> transfer;
   /// Shared like `transfer`; null if labels change nothing.
   std::shared_ptr<const PreparedLabels> labels;
+  /// Null if only one scan is shown.
+  std::shared_ptr<const PreparedOverlay> overlay;
   std::vector<AreaLight> lights;
   Float3 environment{};              ///< sum of the environment lights without a texture
   std::vector<EnvironmentMap> maps;  ///< environment lights with a texture
@@ -57,11 +60,13 @@ struct PreparedScene {
 /// `before` may be the scene that was prepared last, and `before_scene` the message that
 /// it was prepared from. If `before` is of another volume, only its textures are reused, and
 /// `before_scene` must be null. `baked`, if not null, keeps the transfer functions of the volume.
+/// `second` is the session's second scan, or null.
 Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
                                     const volume::Header& header, const ValueGrid& grid,
                                     const PreparedScene* before = nullptr,
                                     const diaphane::v1::Scene* before_scene = nullptr,
-                                    TransferCache* baked = nullptr);
+                                    TransferCache* baked = nullptr,
+                                    const SecondScan* second = nullptr);
 
 /// Returns whether directions sampled from the scattering of the scene's matter are samples of its
 /// lights too. See kMixes, which is the same for the features of the kernel.
@@ -72,13 +77,17 @@ inline bool mixes(const PreparedScene& scene) {
 /// Returns how many collisions of a camera ray sample light by each strategy (ExactView::strata).
 std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene);
 
-/// Returns the bounds of the extinction in each macrocell.
-inline const std::vector<CellBounds>& bounds_of(const PreparedScene& scene) {
+/// Returns the bounds of the extinction in each macrocell, of the first scan and of all matter.
+inline const std::vector<CellBounds>& first_bounds_of(const PreparedScene& scene) {
   return scene.labels ? scene.labels->bounds : scene.transfer->bounds;
+}
+inline const std::vector<CellBounds>& bounds_of(const PreparedScene& scene) {
+  return scene.overlay ? scene.overlay->bounds : first_bounds_of(scene);
 }
 
 /// Returns whether the scene is rendered by the exact walk instead of tracking. The walk cannot
-/// follow the extinction of labels, which jumps between the centres of voxels.
+/// follow the extinction of labels, which jumps between the centres of voxels, or that of a second
+/// scan with other voxels.
 bool use_exact_walk(const PreparedScene& scene, Method method);
 
 /// Returns the view of the exact walk's tables. `pieces`, `piece_of` and `skips` point to the
@@ -137,14 +146,19 @@ inline LightsView view_of(const PreparedScene& scene, const LightArrays& lights)
 
 /// Returns the view of a prepared scene over an executor's copies of its arrays. The caller sets
 /// the pointers of the tables of gloss and emission, of labels and of the exact walk in the view if
-/// it has them.
+/// it has them, and calls add_overlay() if there is a second scan.
 template <typename Volume>
 SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
                           const Float4* colour, const CellBounds* bounds, const LightArrays& lights,
                           std::uint64_t seed, std::uint64_t first_sample = 0, Method method = {}) {
   const PreparedTransfer& t = *scene.transfer;
   const Float3 s = scene.spacing;
-  const Box occupied = scene.labels ? scene.labels->occupied : t.occupied;
+  const Box occupied = scene.overlay  ? scene.overlay->occupied
+                       : scene.labels ? scene.labels->occupied
+                                      : t.occupied;
+  OverlayView<Volume> overlay{};
+  overlay.first_share = 1;
+  overlay.first_in_slices = 1;
   return SceneView<Volume>{.volume = volume,
                            .inverse_spacing = {1.0f / s.x, 1.0f / s.y, 1.0f / s.z},
                            .spacing = s,
@@ -157,6 +171,7 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            .slices = scene.slices,
                            .labels = {},
                            .highlight = scene.highlight,
+                           .overlay = overlay,
                            .phase_g = scene.phase_g,
                            .surfaces = scene.surfaces,
                            .bounces = scene.bounces,
@@ -176,6 +191,37 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            .mis = mixes(scene) ? method.mis : Mis::kLight,
                            .walk = method.walk,
                            .numbers = {}};
+}
+
+/// The second scan's arrays in the memory of an executor. Gloss and emission may be null.
+struct OverlayArrays {
+  const float* extinction;
+  const Float4* colour;
+  const Float4* gloss;
+  const Float4* emission;
+  const float* majorants;
+};
+
+/// Adds the second scan to the view of a scene that has one.
+template <typename Volume>
+void add_overlay(const PreparedScene& scene, const Volume& volume, const OverlayArrays& arrays,
+                 SceneView<Volume>& view) {
+  const OverlayView<LinearVolume>& from = scene.overlay->view;
+  const PreparedTransfer& t = *scene.overlay->transfer;
+  view.overlay = {.volume = volume,
+                  .transfer = {arrays.extinction, arrays.colour, t.scale, t.offset, t.margin,
+                               t.count, arrays.gloss, arrays.emission},
+                  .map = from.map,
+                  .majorants = arrays.majorants,
+                  .step = from.step,
+                  .surfaces = from.surfaces,
+                  .per_extinction = from.per_extinction,
+                  .first_share = from.first_share,
+                  .second_share = from.second_share,
+                  .first_in_slices = from.first_in_slices,
+                  .second_in_slices = from.second_in_slices,
+                  .split = from.split,
+                  .split_column = from.split_column};
 }
 
 }  // namespace diaphane::render

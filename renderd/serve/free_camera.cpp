@@ -124,6 +124,7 @@ void LiveSession::carry_out(const effect::FindGoodViews& effect) {
   std::unique_lock lock(mutex_);
   const std::shared_ptr<const v1::Scene> scene = state_.requested.scene;
   const auto coarse = volume_ ? parts_.stats.of(*volume_).coarse : nullptr;
+  const CoarseSecond second = coarse_second();
   lock.unlock();
   if (!scene || !coarse) {
     lock.lock();
@@ -133,7 +134,7 @@ void LiveSession::carry_out(const effect::FindGoodViews& effect) {
     return;
   }
   v1::ServerMessage message;
-  *message.mutable_good_views() = to_proto(good_views(*coarse, *scene));
+  *message.mutable_good_views() = to_proto(good_views(*coarse, *scene, second));
   lock.lock();
   send(effect.connection, message);
 }

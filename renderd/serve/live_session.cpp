@@ -8,6 +8,7 @@
 
 #include "common/log.h"
 #include "common/try.h"
+#include "renderd/scene/overlay_looks.h"
 #include "renderd/scene/presets.h"
 #include "renderd/serve/session_client.h"
 #include "renderd/serve/session_lane.h"
@@ -24,12 +25,12 @@ std::uint64_t first_epoch(std::uint64_t placement) { return placement << 24; }
 
 // Reduces the header to what a guest's page needs, without information about voxels that are not
 // shown. The range of values becomes the range that the scene gives colours to.
-void withhold(v1::VolumeHeader& header, const v1::Scene& scene) {
+void withhold(v1::VolumeHeader& header, const v1::TransferFunction& function) {
   header.clear_percentiles();
   header.clear_minimum();
   header.clear_maximum();
   bool first = true;
-  for (const v1::Channel& channel : scene.transfer_function().channels()) {
+  for (const v1::Channel& channel : function.channels()) {
     for (const v1::OpacityPoint& point : channel.opacity()) {
       const auto value = static_cast<std::int32_t>(std::lround(point.value()));
       header.set_minimum(first ? value : std::min(header.minimum(), value));
@@ -40,7 +41,7 @@ void withhold(v1::VolumeHeader& header, const v1::Scene& scene) {
 }
 
 v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
-                            const v1::Scene& scene) {
+                            const v1::TransferFunction& function) {
   v1::VolumeHeader message;
   // The JSON form is the only description of the header, and this conversion happens once per
   // connection.
@@ -52,14 +53,8 @@ v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
   message.clear_origin();
   message.clear_frame_of_reference();
   message.clear_label_hash();
-  if (viewer == ViewerKind::kGuest) withhold(message, scene);
+  if (viewer == ViewerKind::kGuest) withhold(message, function);
   return message;
-}
-
-/// Returns whether a viewer may learn the names of structures. They may reveal more than a picture
-/// does, so only the owner and the accounts with which the scan is shared receive them.
-bool may_know_labels(ViewerKind viewer) {
-  return viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared;
 }
 
 std::uint64_t random_seed() {
@@ -124,7 +119,11 @@ Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, cons
 Result<std::unique_ptr<FrameRenderer>> LiveSession::renderer_of(
     const Result<VolumeCache::Handle>& volume) {
   DIAPHANE_TRY(volume);
-  return parts_.home->engine.renderer(*volume, random_seed(), 0, kLiveMethod);
+  auto renderer = parts_.home->engine.renderer(*volume, random_seed(), 0, kLiveMethod);
+  if (renderer && second_) {
+    DIAPHANE_TRY((*renderer)->set_second(second_, facts_.second->to_first));
+  }
+  return renderer;
 }
 
 void LiveSession::start() {
@@ -134,8 +133,25 @@ void LiveSession::start() {
 }
 
 void LiveSession::volume_ready(Result<VolumeCache::Handle> volume) {
+  if (volume && facts_.second && !second_) {
+    // The first scan counts as in use meanwhile, so that both are known to fit.
+    return parts_.volumes.get(
+        {facts_.second->volume_id, false, 0},
+        [self = shared_from_this(), first = *volume](Result<VolumeCache::Handle> second) {
+          self->second_ready(first, std::move(second));
+        });
+  }
   show_first_volume(std::move(volume));
   if (!ended_) load_phases();
+}
+
+void LiveSession::second_ready(VolumeCache::Handle first, Result<VolumeCache::Handle> second) {
+  if (!second) return failed(second.error());
+  {
+    const std::lock_guard lock(mutex_);
+    second_ = *std::move(second);
+  }
+  volume_ready(std::move(first));
 }
 
 void LiveSession::show_first_volume(Result<VolumeCache::Handle> volume) {
@@ -176,6 +192,10 @@ void LiveSession::show_first_volume(Result<VolumeCache::Handle> volume) {
 
 std::shared_ptr<const v1::Scene> LiveSession::first_look() const {
   auto look = std::make_shared<v1::Scene>(presets_.front().scene());
+  if (second_) {
+    const auto looks = overlay_looks(volume_->header(), second_->header());
+    *look->mutable_overlay() = looks.front().overlay();
+  }
   if (fallback_clip_) {
     *look->mutable_clip() = *fallback_clip_;
     if (!check_scene(*look)) look->clear_clip();
@@ -245,14 +265,20 @@ std::shared_ptr<const CoarseVolume> LiveSession::coarse_of_shown() const {
   return parts_.stats.of(state_.shown.volume ? *state_.shown.volume : *volume_).coarse;
 }
 
+CoarseSecond LiveSession::coarse_second() const {
+  if (!second_) return {};
+  return {parts_.stats.of(*second_).coarse, facts_.second->to_first};
+}
+
 std::optional<VisiblePoint> LiveSession::visible_at(double x, double y) const {
   std::unique_lock lock(mutex_);
   if (!volume_ || !state_.shown.scene) return std::nullopt;
   const std::shared_ptr<const v1::Scene> scene = state_.shown.scene;
   const Canvas canvas = state_.shown.viewport;
   const auto coarse = coarse_of_shown();
+  const CoarseSecond second = coarse_second();
   lock.unlock();
-  return coarse ? visible_point_at(*coarse, *scene, canvas, x, y) : std::nullopt;
+  return coarse ? visible_point_at(*coarse, *scene, canvas, x, y, second) : std::nullopt;
 }
 
 std::vector<bool> LiveSession::hidden_marks(const std::vector<Double3>& places) {
@@ -263,9 +289,10 @@ std::vector<bool> LiveSession::hidden_marks(const std::vector<Double3>& places) 
     return mark_sight_.hidden;
   }
   const auto coarse = coarse_of_shown();
+  const CoarseSecond second = coarse_second();
   lock.unlock();
   MarkSight sight{shown.version, places, std::vector<bool>(places.size())};
-  if (coarse) sight.hidden = hidden_places(*coarse, *shown.scene, shown.viewport, places);
+  if (coarse) sight.hidden = hidden_places(*coarse, *shown.scene, shown.viewport, places, second);
   lock.lock();
   mark_sight_ = sight;
   return std::move(sight.hidden);
@@ -360,7 +387,12 @@ std::optional<SavedSession> LiveSession::take_unsaved() {
 std::optional<RecoveryRecord> LiveSession::recovery_record() const {
   const std::lock_guard lock(mutex_);
   if (ended_ || facts_.user_id.empty()) return std::nullopt;
-  return render::recovery_record(state_, facts_.user_id, visitor_);
+  auto record = render::recovery_record(state_, facts_.user_id, visitor_);
+  if (record && facts_.second) {
+    record->over = facts_.second->volume_id;
+    record->to_first = volume::text_of(facts_.second->to_first);
+  }
+  return record;
 }
 
 v1::ErrorCurve LiveSession::error_curve() const {
@@ -404,7 +436,8 @@ void LiveSession::send_config(std::uint64_t connection) {
   config.set_device(engine.device);
   *config.mutable_volume() =
       header_for(receiver->viewer, volume::stored_header(volume_->header()),
-                 state_.requested.scene ? *state_.requested.scene : v1::Scene::default_instance());
+                 (state_.requested.scene ? *state_.requested.scene : v1::Scene::default_instance())
+                     .transfer_function());
   VolumeStats stats = parts_.stats.of(*volume_);
   config.mutable_treatment()->set_slices_per_stored(volume_->header().interpolated);
   config.mutable_treatment()->set_has_support(stats.has_support);
@@ -416,11 +449,27 @@ void LiveSession::send_config(std::uint64_t connection) {
   if (state_.requested.scene) *config.mutable_scene() = *state_.requested.scene;
   config.set_input_seq(state_.requested.input_seq);
   for (const v1::Preset& preset : presets_) *config.add_presets() = preset;
+  if (second_) *config.mutable_second() = second_for(receiver->viewer);
   config.set_follower(!state_.audience.presents(*receiver));
   receiver->look_version = state_.requested.version;
   send(connection, message);
   if (stats.labels.labels_size() > 0) send_labels(*receiver, stats.labels);
   if (volume_->header().phase_count() > 1) send_phases(connection);
+}
+
+v1::SecondVolume LiveSession::second_for(ViewerKind viewer) const {
+  v1::SecondVolume message;
+  const v1::Scene& scene =
+      state_.requested.scene ? *state_.requested.scene : v1::Scene::default_instance();
+  *message.mutable_volume() = header_for(viewer, volume::stored_header(second_->header()),
+                                         scene.overlay().transfer_function());
+  VolumeStats stats = parts_.stats.of(*second_);
+  if (stats.histogram.counts_size() > 0 && viewer != ViewerKind::kGuest) {
+    *message.mutable_histogram() = std::move(stats.histogram);
+  }
+  for (const v1::OverlayLook& look : overlay_looks(volume_->header(), second_->header()))
+    *message.add_looks() = look;
+  return message;
 }
 
 void LiveSession::send_labels(const Receiver& receiver, const v1::Labels& labels) {

@@ -60,6 +60,13 @@ struct SliceParts {
   EncodePool& pool;     ///< holds at most one slice per viewer
 };
 
+/// The second scan of a session, and how it lies (api/proto/worker.proto, SecondScan).
+struct SecondFacts {
+  std::string volume_id;
+  volume::Matrix to_first = volume::kIdentity;
+  bool operator==(const SecondFacts&) const = default;
+};
+
 /// The properties of a session that never change.
 struct SessionFacts {
   std::string id;
@@ -69,6 +76,11 @@ struct SessionFacts {
   bool camera_only = false;               ///< a follower's free camera
   std::string link = {};                  ///< link by which a guest with a free camera joined
   std::weak_ptr<LiveSession> group = {};  ///< session that a follower with a free camera follows
+  std::optional<SecondFacts> second = {};
+
+  bool shows(const std::string& volume) const {
+    return volume_id == volume || (second && second->volume_id == volume);
+  }
 };
 
 /// The state of a session at one moment, as the host needs it.
@@ -222,8 +234,12 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   void carry_out(const effect::SilenceCamera& effect);
   void carry_out(const effect::DismissCamera& effect);
 
+  /// Loads the voxels of the second scan, too, if there is one and they are missing.
   void voxels_ready(Result<VolumeCache::Handle> loaded);
-  void slice_coded(std::uint64_t connection, SliceOrder order, Result<std::string> coded);
+  void second_voxels_ready(const Result<VolumeCache::Handle>& first,
+                           const Result<VolumeCache::Handle>& second);
+  void slices_ready(Result<VolumeCache::Handle> loaded);
+  void slice_coded(SliceCoded coded);
 
   class FileLink;
   /// The work on the file that `files_` knows.
@@ -270,6 +286,9 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   VolumeKey copy_for(const diaphane::v1::Scene& scene) const;
   bool volume_fits();
   std::shared_ptr<const CoarseVolume> coarse_of_shown() const;
+  /// Returns the second scan if the scene shows it.
+  CoarseSecond coarse_second() const;
+  diaphane::v1::SecondVolume second_for(ViewerKind viewer) const;
   void change_volume(const VolumeKey& copy, VolumeCache::Handle volume);
   void make_ready();
   /// Tells the viewers how many phases are loaded. Returns the next one that is missing, or
@@ -280,6 +299,7 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   // Must be called without the lock:
   void volume_ready(Result<VolumeCache::Handle> volume);
   void show_first_volume(Result<VolumeCache::Handle> volume);
+  void second_ready(VolumeCache::Handle first, Result<VolumeCache::Handle> second);
   /// Ends the session, because it cannot continue.
   void failed(const Error& why);
   Result<std::unique_ptr<FrameRenderer>> renderer_of(const Result<VolumeCache::Handle>& volume);
@@ -328,6 +348,8 @@ class LiveSession final : public std::enable_shared_from_this<LiveSession> {
   std::map<std::string, std::shared_ptr<LiveSession>> camera_sessions_;  // by id
   std::uint64_t followed_ = 0;  // number of the presenter's newest settings
   std::shared_ptr<const DeviceVolume> volume_;
+  std::shared_ptr<const DeviceVolume> second_;       ///< set before `volume_`; null: one scan
+  std::shared_ptr<const HostVolume> second_voxels_;  ///< for slices; null until they are needed
   VolumeKey copy_;               ///< key of `volume_`, or of the one awaited first
   bool loading_other_ = false;   ///< another copy of the volume
   bool loading_phases_ = false;  ///< load_next_phase()

@@ -186,6 +186,8 @@ void Registry::write_again(const std::string& session) {
                                            .data_set_id = record->volume_id,
                                            .saved = record_of(record->saved),
                                            .visitor = record->visitor,
+                                           .over = record->over,
+                                           .to_first = record->to_first,
                                            .links = record->links});
   if (written && *written) log::info("session_restored", {{"session", session}});
 }

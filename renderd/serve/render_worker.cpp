@@ -54,7 +54,8 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
   const std::uint32_t refinement = volume::refinement_of(volume->header);
   std::optional<volume::Volume> copy;
   // The node keeps the voxels as they are in the store.
-  const bool changes = !key.with_table || refinement > 1 || volume::has_brain(*volume);
+  const bool changes = !key.with_table || refinement > 1;
+  volume::LabelSet stored_labels = volume->label_set;
   if (changes && source.copies && source.copies->misses(*volume)) copy = *volume;
   if (!key.with_table) {
     if (const auto hidden = volume::hide_surroundings(*volume); !hidden) {
@@ -63,6 +64,7 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
   }
   volume::list_found_labels(*volume);
   VolumeStats of_stored = stats_of(*volume);
+  if (volume::widen_dense_parts(*volume)) of_stored.coarse = coarse_of(*volume);
   volume::refine_slices(*volume, refinement, std::thread::hardware_concurrency());
   auto loaded = engine.load(*volume);
   if (loaded) stats.add(*loaded, std::move(of_stored));
@@ -70,16 +72,18 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log::info("volume_loaded", {{"volume", id}, {"ok", loaded.has_value()}, {"seconds", seconds}});
   if (source.copies && copy) source.copies->keep(std::move(*copy));
-  if (source.copies && !changes) source.copies->keep(std::move(*volume));
+  if (source.copies && !changes) {
+    volume->label_set = std::move(stored_labels);
+    source.copies->keep(std::move(*volume));
+  }
   return loaded;
 }
 
 Result<VolumeCache::Handle> load_voxels(const Source& source, const VolumeKey& key) {
   auto volume = source.read(key.id, key.phase);
   DIAPHANE_TRY(volume);
-  // Drops the labels, because slices show only the stored values.
-  volume->label_set = {};
-  volume->header.label_hash.clear();
+  // The label set must be the one that viewers receive with the names.
+  volume::list_found_labels(*volume);
   return std::make_shared<const HostVolume>(std::move(*volume));
 }
 
@@ -125,7 +129,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
           },
           options.volume_bytes, 1,
           [store = options.volume_dir](const std::string& id) {
-            return volume::stored_hash(store + "/" + id);
+            return volume::stored_version(store + "/" + id);
           })),
       host_(std::make_unique<SessionHost>(with_reclaim(options.host), *homes_, *encoders_,
                                           *volumes_, stats_, SliceParts{*voxels_, *slicers_},

@@ -77,9 +77,9 @@ void LiveSession::carry_out(effect::StartFile& effect) {
 }
 
 FindHidden LiveSession::hidden_in(const DeviceVolume& volume) const {
-  return [coarse = parts_.stats.of(volume).coarse](const v1::Scene& scene, Canvas canvas,
-                                                   const std::vector<Double3>& places) {
-    return coarse ? hidden_places(*coarse, scene, canvas, places)
+  return [coarse = parts_.stats.of(volume).coarse, second = coarse_second()](
+             const v1::Scene& scene, Canvas canvas, const std::vector<Double3>& places) {
+    return coarse ? hidden_places(*coarse, scene, canvas, places, second)
                   : std::vector<bool>(places.size());
   };
 }
@@ -99,6 +99,7 @@ Result<LiveSession::File> LiveSession::begin_file(effect::StartFile& effect) {
   DIAPHANE_TRY(maker);
   auto renderer = parts_.home->engine.renderer(effect.volume, kFileSeed, 0, kFileMethod);
   DIAPHANE_TRY(renderer);
+  if (second_) DIAPHANE_TRY((*renderer)->set_second(second_, facts_.second->to_first));
   auto link = std::make_shared<FileLink>(weak_from_this(), effect.file);
   // The work owns the reservation, also while a lane still holds the work.
   auto took = [&meter = parts_.gpu_time, user = facts_.charged_to,

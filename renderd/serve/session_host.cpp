@@ -28,6 +28,17 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   LiveSession::Start start;
   start.facts.id = open.session_id();
   start.facts.volume_id = open.volume_id();
+  if (open.has_second()) {
+    if (!is_id(open.second().volume_id())) {
+      return fail(ErrorCode::kInvalid, "The ID of the second volume is invalid.",
+                  "second.volume_id");
+    }
+    const auto& numbers = open.second().to_first();
+    const auto to_first =
+        volume::rigid_motion({numbers.data(), static_cast<std::size_t>(numbers.size())});
+    DIAPHANE_TRY(to_first);
+    start.facts.second = {open.second().volume_id(), *to_first};
+  }
   start.placement = open.placement();
   start.input_seq = open.input_seq();
   start.presenter = open.presenter();
@@ -93,6 +104,7 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
   DIAPHANE_TRY(join);
   const std::string id = start->facts.id;
   const std::string volume_id = start->facts.volume_id;
+  const auto second = start->facts.second;
 
   Session session;
   Session evicted;
@@ -106,7 +118,7 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
       if (open.placement() < session->status().placement) {
         return fail(ErrorCode::kConflict, "The session has since moved to another worker.");
       }
-      if (session->facts().volume_id != volume_id) {
+      if (session->facts().volume_id != volume_id || session->facts().second != second) {
         return fail(ErrorCode::kInvalid, "The session belongs to a different volume.", "volume_id");
       }
     } else {
@@ -164,6 +176,7 @@ Result<SessionHost::Session> SessionHost::open_free_camera(const LiveSession& gr
   const SessionStatus of_group = group.status();
   start.facts.id = new_id();
   start.facts.volume_id = group.facts().volume_id;
+  start.facts.second = group.facts().second;
   start.facts.charged_to = group.facts().charged_to;
   start.facts.camera_only = true;
   start.facts.link = camera.link;
@@ -350,7 +363,7 @@ void SessionHost::volume_gone(const std::string& volume_id) {
   {
     const std::lock_guard lock(mutex_);
     for (auto entry = sessions_.begin(); entry != sessions_.end();) {
-      if (entry->second->facts().volume_id != volume_id) {
+      if (!entry->second->facts().shows(volume_id)) {
         ++entry;
         continue;
       }

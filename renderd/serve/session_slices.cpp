@@ -1,8 +1,11 @@
 #include <utility>
 
+#include "common/log.h"
 #include "renderd/encode/slice_codec.h"
 #include "renderd/serve/session_turn.h"
 #include "renderd/session/kept_voxels.h"
+#include "volume/label_slice.h"
+#include "volume/second_slice.h"
 
 // LiveSession: reads and encodes the exact slices beside the picture (docs/adr/0026).
 
@@ -19,6 +22,21 @@ Result<std::vector<std::int16_t>> read_slice(const volume::Volume& volume,
   const volume::KeptVoxels kept = kept_by(volume.header, *clip);
   return due.oblique ? volume::sample_clipped(volume, *due.oblique, kept)
                      : volume::clipped_slice_of(volume, stack, due.index, kept);
+}
+
+/// Returns the encoded labels of a slice with these values, or an empty string.
+std::string read_labels(const volume::Volume& volume, const volume::SliceStack& stack,
+                        const SliceOrder& order, const std::vector<std::int16_t>& values) {
+  if (volume.label_set.empty()) return {};
+  const SliceDue& due = order.due;
+  const auto labels_of = [&](const volume::ClippedSlice* clipped) {
+    return due.oblique ? volume::labels_of_slice(volume, *due.oblique, clipped)
+                       : volume::labels_of_slice(volume, stack, due.index, clipped);
+  };
+  if (!order.clip) return code_labels(labels_of(nullptr)).value_or("");
+  const volume::KeptVoxels kept = kept_by(volume.header, *order.clip);
+  const volume::ClippedSlice clipped{kept, values};
+  return code_labels(labels_of(&clipped)).value_or("");
 }
 
 }  // namespace
@@ -38,6 +56,32 @@ void LiveSession::carry_out(const effect::LoadVoxels& effect) {
 }
 
 void LiveSession::voxels_ready(Result<VolumeCache::Handle> loaded) {
+  std::unique_lock lock(mutex_);
+  const bool lacks_second = loaded && facts_.second && !second_voxels_;
+  lock.unlock();
+  if (!lacks_second) return slices_ready(std::move(loaded));
+  parts_.slices.voxels.get(
+      {facts_.second->volume_id, false, 0},
+      [weak = weak_from_this(), first = std::move(loaded)](Result<VolumeCache::Handle> second) {
+        const auto alive = weak.lock();
+        if (alive) alive->second_voxels_ready(first, second);
+      });
+}
+
+void LiveSession::second_voxels_ready(const Result<VolumeCache::Handle>& first,
+                                      const Result<VolumeCache::Handle>& second) {
+  if (!second) {
+    // The slices of the first scan are shown without it.
+    log::warning("second_slices_failed",
+                 {{"session", facts_.id}, {"code", to_string(second.error().code)}});
+  } else {
+    const std::lock_guard lock(mutex_);
+    second_voxels_ = std::dynamic_pointer_cast<const HostVolume>(*second);
+  }
+  slices_ready(first);
+}
+
+void LiveSession::slices_ready(Result<VolumeCache::Handle> loaded) {
   const Turn turn(*this);
   if (ended_) return;
   apply(slices_.handle(VoxelsLoaded{std::move(loaded), volume_->header().content_hash}, state_,
@@ -47,22 +91,34 @@ void LiveSession::voxels_ready(Result<VolumeCache::Handle> loaded) {
 void LiveSession::carry_out(effect::CodeSlice& effect) {
   const auto urgency =
       effect.for_guest || visitor_ ? EncodePool::Urgency::kLater : EncodePool::Urgency::kNow;
-  parts_.slices.pool.post(urgency, [weak = weak_from_this(), effect = std::move(effect)] {
+  std::unique_lock lock(mutex_);
+  std::shared_ptr<const HostVolume> second = second_voxels_;
+  lock.unlock();
+  parts_.slices.pool.post(urgency, [weak = weak_from_this(), effect = std::move(effect),
+                                    second = std::move(second), facts = facts_.second] {
     if (weak.expired()) return;
     const SliceOrder& order = effect.order;
-    auto coded = read_slice(effect.voxels->volume(), effect.stack, order.due, order.clip)
-                     .and_then([](const auto& values) { return code_slice(values); });
-    if (const auto session = weak.lock()) {
-      session->slice_coded(effect.connection, order, std::move(coded));
+    const volume::Volume& first = effect.voxels->volume();
+    auto values = read_slice(first, effect.stack, order.due, order.clip);
+    SliceCoded coded{effect.connection, order, {}};
+    if (values && second) {
+      const auto pixels = order.due.oblique ? volume::pixels_of(*order.due.oblique)
+                                            : volume::pixels_of(effect.stack, order.due.index);
+      coded.second = code_slice(volume::second_slice(first.header, pixels, second->volume(),
+                                                     facts->to_first, *values))
+                         .value_or("");
     }
+    if (values && effect.with_labels) {
+      coded.labels = read_labels(first, effect.stack, order, *values);
+    }
+    coded.coded = values.and_then([](const auto& v) { return code_slice(v); });
+    if (const auto session = weak.lock()) session->slice_coded(std::move(coded));
   });
 }
 
-void LiveSession::slice_coded(std::uint64_t connection, SliceOrder order,
-                              Result<std::string> coded) {
+void LiveSession::slice_coded(SliceCoded coded) {
   const Turn turn(*this);
-  apply(
-      slices_.handle(SliceCoded{connection, std::move(order), std::move(coded)}, state_, turn.now));
+  apply(slices_.handle(std::move(coded), state_, turn.now));
 }
 
 }  // namespace diaphane::render

@@ -1,31 +1,16 @@
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <chrono>
 #include <thread>
 
+#include "tests/support/renderd/slice_values.h"
 #include "tests/support/renderd/test_worker.h"
 
 namespace diaphane::render {
 namespace {
 
 using Kind = v1::ServerMessage;
-
-// Decodes as the protocol specifies.
-std::vector<std::int16_t> values_of(const v1::ExactSlice& slice) {
-  const std::size_t pixels = std::size_t{slice.columns()} * slice.rows();
-  std::vector<unsigned char> bytes(2 * pixels);
-  auto length = static_cast<uLongf>(bytes.size());
-  EXPECT_EQ(uncompress(bytes.data(), &length, reinterpret_cast<const Bytef*>(slice.data().data()),
-                       static_cast<uLong>(slice.data().size())),
-            Z_OK);
-  std::vector<std::int16_t> values(pixels);
-  for (std::size_t i = 0; i < pixels; ++i) {
-    values[i] = static_cast<std::int16_t>(bytes[i] + 256 * bytes[pixels + i]);
-  }
-  return values;
-}
 
 struct Viewer : TestViewer {
   std::uint64_t taken = 0;
@@ -115,6 +100,31 @@ TEST_F(SessionSlicesTest, ContainTheStoredVoxels) {
     const bool sagittal = slice->plane() == v1::SAGITTAL;
     EXPECT_EQ(values_of(*slice).front(), sagittal ? voxel(0, 4, 3) : voxel(5, 4, 3));
   }
+}
+
+TEST_F(SessionSlicesTest, HaveTheLabelsOfTheStoredVoxels) {
+  volume::LabelSet set{{{3, "Lung", {}}, {9, "Heart", {}}}, {{6, 5, 4}, {}}};
+  set.labels.voxels.assign(6 * 5 * 4, 0);
+  const auto label = [&](std::size_t x, std::size_t y, std::size_t z) -> std::uint8_t& {
+    return set.labels.voxels[x + 6 * (y + 5 * z)];
+  };
+  label(1, 0, 2) = 1;
+  label(4, 3, 2) = 2;
+  ASSERT_TRUE(volume::write_label_set(volume::encode(set), store.path + "/" + id));
+  Viewer one = attach(new_id());
+  one.want({{v1::AXIAL, 2}});
+  const auto axial = one.slice();
+  ASSERT_TRUE(axial);
+  const auto labels = labels_of(*axial);
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (std::size_t column = 0; column < 5; ++column) {
+      EXPECT_EQ(labels[row * 5 + column], label(row, 4 - column, 2)) << row << " " << column;
+    }
+  }
+  one.want({{v1::AXIAL, 1}});
+  const auto without = one.slice();
+  ASSERT_TRUE(without);
+  EXPECT_EQ(without->labels(), "");
 }
 
 TEST_F(SessionSlicesTest, EachViewerGetsOnlyItsOwnSlices) {

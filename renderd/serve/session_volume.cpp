@@ -110,6 +110,7 @@ void LiveSession::change_volume(const VolumeKey& copy, VolumeCache::Handle volum
   for (const Receiver& receiver : state_.audience.receivers) {
     if (receiver.greeted) send_labels(receiver, stats.labels);
   }
+  apply(slices_.handle(LabelsReplaced{}, state_));
 }
 
 void LiveSession::load_phases() {

@@ -13,7 +13,8 @@ using CoarseView = SceneView<LinearVolume>;
 
 /// Calls `use` with the scene, or not at all if it cannot be prepared. Lights are left out.
 /// Precondition: `scene` has passed check_scene.
-void with_coarse_view(const CoarseVolume& coarse, const diaphane::v1::Scene& scene, Canvas canvas,
+void with_coarse_view(const CoarseVolume& coarse, const CoarseSecond& second,
+                      const diaphane::v1::Scene& scene, Canvas canvas,
                       const std::function<void(const CoarseView&)>& use);
 
 }  // namespace diaphane::render

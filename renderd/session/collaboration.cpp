@@ -29,8 +29,9 @@ bool is_valid_tilt(const v1::SliceView::Tilt& tilt) {
 bool is_valid(const v1::SliceView& view) {
   return view.placings_size() <= kPlanes && is_place(view.crosshair()) &&
          within(view.window_centre(), 1e6) && within(view.window_width(), 1e6) &&
-         within(view.overlay(), 1) && within(view.slab(), scene::kLongestDistance) &&
-         view.tilts_size() <= kPlanes && std::ranges::all_of(view.tilts(), is_valid_tilt) &&
+         within(view.overlay(), 1) && within(view.labels(), 1) &&
+         within(view.slab(), scene::kLongestDistance) && view.tilts_size() <= kPlanes &&
+         std::ranges::all_of(view.tilts(), is_valid_tilt) &&
          std::ranges::all_of(view.placings(), [](const v1::SliceView::Placing& one) {
            return within(one.zoom(), 1e6) && within(one.column(), 1e6) && within(one.row(), 1e6);
          });

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "renderd/kernel/labels.h"
+#include "renderd/kernel/overlay.h"
 #include "renderd/kernel/primary.h"
 #include "renderd/scene/camera.h"
 #include "renderd/scene/frame.h"
@@ -36,8 +36,8 @@ struct Walk {
   float clear = 1.0f;  // at the last step
 };
 
-/// Follows the ray for `most` mm or until it is opaque.
-Walk walk(const View& scene, const Ray& ray, float most) {
+/// Follows the ray of a column of the picture for `most` mm or until it is opaque.
+Walk walk(const View& scene, const Ray& ray, float column, float most) {
   Walk walked;
   Span span = clip(ray, scene.grid.occupied, Span{0.0f, most});
   span = clip_span<kAllFeatures>(scene, ray, span, RayKind::kCamera);
@@ -49,19 +49,19 @@ Walk walk(const View& scene, const Ray& ray, float most) {
   const float count = std::ceil(2.0f * (span.end - span.begin) * per_mm) + 1.0f;
   const float step = (span.end - span.begin) / count;
   float& clear = walked.clear;
+  const auto medium = medium_of<kAllFeatures>(scene, shares_at<kAllFeatures>(scene, column));
   for (float i = 0.5f; i < count && clear > kEnd; i += 1.0f) {
     const float at = span.begin + i * step;
     const Float3 place = ray.at(at);
-    clear *=
-        std::exp(-medium_of<kAllFeatures>(scene).extinction(scene.volume.at(place), place) * step);
+    clear *= std::exp(-medium.extinction(scene.volume.at(place), place) * step);
     walked.steps.push_back({at, clear});
   }
   return walked;
 }
 
 /// Returns the distance in mm along the ray at which half of what it shows has been passed.
-std::optional<float> half_way(const View& scene, const Ray& ray) {
-  const auto [slice, steps, clear] = walk(scene, ray, 3.4e38f);
+std::optional<float> half_way(const View& scene, const Ray& ray, float column) {
+  const auto [slice, steps, clear] = walk(scene, ray, column, 3.4e38f);
   const float behind = slice.found ? 0.0f : clear;
   if (1.0f - behind < kLeastSeen) return std::nullopt;
   const float half = (1.0f + behind) / 2;
@@ -84,7 +84,9 @@ bool is_hidden(const View& scene, Float3 place, float margin) {
   const Ray ray{start * scene.inverse_spacing, along * scene.inverse_spacing};
   const float most = dot(place - start, along) - margin;
   if (most <= 0) return false;
-  const Walk walked = walk(scene, ray, most);
+  const float right = dot(aside, c.right) / dot(c.right, c.right);  // -1 to 1 in the picture
+  const float column = 0.5f * (right + 1.0f) * static_cast<float>(scene.width);
+  const Walk walked = walk(scene, ray, column, most);
   return walked.clear < 0.5f || (walked.slice.found && walked.slice.distance < most);
 }
 
@@ -119,6 +121,12 @@ std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume) {
       nearest[axis].push_back(static_cast<std::size_t>((i + 0.5) * size / to.size[axis]));
     }
   }
+  for (std::size_t axis = 0; to.origin && axis < 3; ++axis) {
+    const double shift = (to.spacing[axis] - from.spacing[axis]) / 2;
+    for (std::size_t row = 0; row < 3; ++row) {
+      (*to.origin)[row] += shift * from.direction[3 * row + axis];
+    }
+  }
   coarse->volume.voxels.reserve(to.voxel_count());
   const volume::Labels& labels = volume.label_set.labels;
   volume::LabelSet& coarse_set = coarse->volume.label_set;
@@ -140,13 +148,13 @@ std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume) {
 
 std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
                                              const diaphane::v1::Scene& scene, Canvas canvas,
-                                             double x, double y) {
+                                             double x, double y, const CoarseSecond& second) {
   std::optional<VisiblePoint> visible;
-  with_coarse_view(coarse, scene, canvas, [&](const View& view) {
-    const Ray ray = camera_ray<kAllFeatures>(view, static_cast<float>(x * canvas.width),
-                                             static_cast<float>(y * canvas.height))
-                        .ray;
-    const std::optional<float> at = half_way(view, ray);
+  with_coarse_view(coarse, second, scene, canvas, [&](const View& view) {
+    const auto column = static_cast<float>(x * canvas.width);
+    const Ray ray =
+        camera_ray<kAllFeatures>(view, column, static_cast<float>(y * canvas.height)).ray;
+    const std::optional<float> at = half_way(view, ray, column);
     if (!at) return;
     const volume::Header& header = coarse.volume.header;
     const WorldToFrame frame(header);
@@ -165,12 +173,13 @@ std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
 }
 
 std::vector<bool> hidden_places(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
-                                Canvas canvas, const std::vector<Double3>& places) {
+                                Canvas canvas, const std::vector<Double3>& places,
+                                const CoarseSecond& second) {
   std::vector<bool> hidden(places.size());
   const volume::Header& header = coarse.volume.header;
   const WorldToFrame frame(header);
   const double voxel = std::max({header.spacing[0], header.spacing[1], header.spacing[2]});
-  with_coarse_view(coarse, scene, canvas, [&](const View& view) {
+  with_coarse_view(coarse, second, scene, canvas, [&](const View& view) {
     for (std::size_t i = 0; i < places.size(); ++i) {
       hidden[i] = is_hidden(view, to_float(frame.point(places[i])),
                             static_cast<float>(kOwnSurfaceVoxels * voxel));

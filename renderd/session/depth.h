@@ -8,6 +8,7 @@
 #include "renderd/film/canvas.h"
 #include "renderd/math/vector.h"
 #include "renderd/scene/grid.h"
+#include "volume/alignment.h"
 #include "volume/volume.h"
 
 namespace diaphane::render {
@@ -19,6 +20,12 @@ struct CoarseVolume {
 };
 /// Returns a coarse copy by nearest voxels, with at most a million voxels.
 std::shared_ptr<const CoarseVolume> coarse_of(const volume::Volume& volume);
+
+/// The coarse copy of a session's second scan, and how it lies. Without a volume, there is none.
+struct CoarseSecond {
+  std::shared_ptr<const CoarseVolume> volume;
+  volume::Matrix to_first = volume::kIdentity;
+};
 
 struct VisiblePoint {
   Double3 place;            ///< mm in world space
@@ -32,12 +39,13 @@ struct VisiblePoint {
 /// Precondition: `scene` has passed check_scene.
 std::optional<VisiblePoint> visible_point_at(const CoarseVolume& coarse,
                                              const diaphane::v1::Scene& scene, Canvas canvas,
-                                             double x, double y);
+                                             double x, double y, const CoarseSecond& second = {});
 
 /// Returns for each place (mm in world space) whether matter or a slice in front of it hides it, so
 /// that less than half of it could be seen. Places outside the picture count as well. A place on a
 /// visible surface is not hidden. Precondition: `scene` has passed check_scene.
 std::vector<bool> hidden_places(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
-                                Canvas canvas, const std::vector<Double3>& places);
+                                Canvas canvas, const std::vector<Double3>& places,
+                                const CoarseSecond& second = {});
 
 }  // namespace diaphane::render

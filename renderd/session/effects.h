@@ -81,6 +81,7 @@ struct CodeSlice {
   volume::SliceStack stack;
   std::shared_ptr<const HostVolume> voxels;
   bool for_guest = false;
+  bool with_labels = false;  ///< the viewer may know them
 };
 
 /// Encodes a lossless tile. The answer is TileCoded, unless the picture is no longer needed.

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "renderd/kernel/clip.h"
-#include "renderd/kernel/labels.h"
+#include "renderd/kernel/overlay.h"
 #include "renderd/scene/frame.h"
 #include "renderd/session/coarse_view.h"
 
@@ -64,6 +64,7 @@ struct Sampled {
 Sampled sample(const CoarseView& scene, const Grid& grid, std::array<int, 3> cell) {
   Sampled sampled;
   double densest = 0;
+  const auto medium = medium_of<kAllFeatures>(scene, shares_at<kAllFeatures>(scene, 0.0F));
   constexpr int kAll = kSamples * kSamples * kSamples;
   for (int i = 0; i < kAll; ++i) {
     const int layer = i / (kSamples * kSamples);
@@ -73,7 +74,7 @@ Sampled sample(const CoarseView& scene, const Grid& grid, std::array<int, 3> cel
     const Float3 place = to_float(at) * scene.inverse_spacing;
     if (!is_kept<kAllFeatures>(scene, place)) continue;
     const float value = scene.volume.at(place);
-    const double extinction = medium_of<kAllFeatures>(scene).extinction(value, place);
+    const double extinction = medium.extinction(value, place);
     sampled.extinction += extinction / kAll;
     if (extinction <= densest) continue;
     densest = extinction;
@@ -261,10 +262,11 @@ void set_box(const Grid& grid, const WorldToFrame& frame, GoodViews& to) {
 
 }  // namespace
 
-GoodViews good_views(const CoarseVolume& coarse, const diaphane::v1::Scene& scene) {
+GoodViews good_views(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
+                     const CoarseSecond& second) {
   GoodViews good;
   const volume::Header& header = coarse.volume.header;
-  with_coarse_view(coarse, scene, {64, 64}, [&](const CoarseView& view) {
+  with_coarse_view(coarse, second, scene, {64, 64}, [&](const CoarseView& view) {
     const std::optional<Grid> grid = grid_of(view, header);
     if (!grid || std::ranges::none_of(grid->cells, [](const Cell& one) { return one.alpha > 0; })) {
       return;

@@ -25,7 +25,8 @@ struct GoodViews {
 /// all around the patient, or none if nothing is visible. Neighbours are 45 to 75 degrees of
 /// azimuth apart. The time does not depend on the size of the volume. Precondition: `scene` has
 /// passed check_scene.
-GoodViews good_views(const CoarseVolume& coarse, const diaphane::v1::Scene& scene);
+GoodViews good_views(const CoarseVolume& coarse, const diaphane::v1::Scene& scene,
+                     const CoarseSecond& second = {});
 
 diaphane::v1::GoodViews to_proto(const GoodViews& views);
 

@@ -94,6 +94,10 @@ ViewerKind viewer_of(v1::Viewer viewer) {
   }
 }
 
+bool may_know_labels(ViewerKind viewer) {
+  return viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared;
+}
+
 std::optional<RequestKind> request_of(const v1::ClientMessage& message) {
   switch (message.body_case()) {
     case v1::ClientMessage::kHello:

@@ -23,6 +23,11 @@ inline constexpr std::array kViewers{ViewerKind::kOwner,         ViewerKind::kSh
 /// Converts from the protocol. Unknown values become kGuest, which has the fewest rights.
 ViewerKind viewer_of(diaphane::v1::Viewer viewer);
 
+/// Returns whether a viewer may learn the names of structures, and where they lie in slices. They
+/// may reveal more than a picture does, so only the owner and the accounts with which the scan is
+/// shared receive them.
+bool may_know_labels(ViewerKind viewer);
+
 /// The requests of a page. A SceneUpdate without a scene only reports the size of the page's
 /// picture.
 enum class RequestKind {

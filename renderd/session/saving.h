@@ -27,6 +27,7 @@ struct RecoveryRecord {
   std::string volume_id;
   std::vector<std::string> links;  ///< links by which guests joined, as in directory::LostSession
   bool visitor = false;
+  std::string over = {}, to_first = {};  ///< the second scan, as in directory::PlaceRequest
 };
 
 /// Returns the state to save if Redis has an older one, and marks it as saved.

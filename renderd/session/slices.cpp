@@ -35,8 +35,8 @@ std::optional<SliceOrder> order_of(const SessionState& state, const Receiver& re
   return std::nullopt;
 }
 
-v1::ServerMessage message_of(const volume::SliceStack& stack, const SliceDue& due,
-                             std::uint64_t seq, std::string data) {
+v1::ServerMessage message_of(const volume::SliceStack& stack, std::uint64_t seq, SliceCoded coded) {
+  const SliceDue& due = coded.order.due;
   v1::ServerMessage message;
   v1::ExactSlice& slice = *message.mutable_slice();
   slice.set_seq(seq);
@@ -44,9 +44,17 @@ v1::ServerMessage message_of(const volume::SliceStack& stack, const SliceDue& du
   slice.set_index(due.index);
   slice.set_columns(due.oblique ? due.oblique->columns : stack.columns);
   slice.set_rows(due.oblique ? due.oblique->rows : stack.rows);
-  slice.set_data(std::move(data));
+  slice.set_data(*std::move(coded.coded));
+  slice.set_second(std::move(coded.second));
+  slice.set_labels(std::move(coded.labels));
   slice.set_oblique(due.oblique ? due.oblique->id : 0);
   return message;
+}
+
+effect::Send stale_message(std::uint64_t connection) {
+  effect::Send send{connection, {}};
+  send.message.mutable_slices_stale();
+  return send;
 }
 
 }  // namespace
@@ -120,7 +128,8 @@ void Slices::take_next(Effects& effects, SessionState& state, std::uint64_t conn
         state.audience.slice_allowances.charge(receiver->participant, guest,
                                                volume::samples_of(header_, *due->oblique));
       }
-      effects.emplace_back(effect::CodeSlice{connection, *std::move(order), stack, voxels_, guest});
+      effects.emplace_back(effect::CodeSlice{connection, *std::move(order), stack, voxels_, guest,
+                                             may_know_labels(receiver->viewer)});
       return;
     }
     receiver->slices.give_up();
@@ -145,11 +154,11 @@ Effects Slices::handle(SliceCoded event, SessionState& state, TimePoint now) {
   } else {
     receiver->has_slices = true;
     receiver->has_clipped_slices = order.clip.has_value();
+    const volume::SliceStack& stack = (*stacks_)[order.due.plane];
     effects.emplace_back(effect::Send{
-        event.connection, message_of((*stacks_)[order.due.plane], order.due,
-                                     receiver->slices.depart(), *std::move(event.coded))});
+        receiver->connection, message_of(stack, receiver->slices.depart(), std::move(event))});
   }
-  take_next(effects, state, event.connection, now);
+  take_next(effects, state, receiver->connection, now);
   return effects;
 }
 
@@ -188,9 +197,18 @@ Effects Slices::handle(SceneChanged, SessionState& state, TimePoint now) {
         (phase_differs && receiver.has_slices) || (clip_differs && receiver.has_clipped_slices);
     if (!stale) continue;
     receiver.has_slices = receiver.has_clipped_slices = false;
-    effect::Send message{receiver.connection, {}};
-    message.message.mutable_slices_stale();
-    effects.emplace_back(std::move(message));
+    effects.emplace_back(stale_message(receiver.connection));
+  }
+  return effects;
+}
+
+Effects Slices::handle(LabelsReplaced, SessionState& state) {
+  voxels_.reset();  // the next request loads them with the new labels
+  Effects effects;
+  for (Receiver& receiver : state.audience.receivers) {
+    if (!receiver.has_slices || !may_know_labels(receiver.viewer)) continue;
+    receiver.has_slices = receiver.has_clipped_slices = false;
+    effects.emplace_back(stale_message(receiver.connection));
   }
   return effects;
 }

@@ -27,7 +27,11 @@ struct SliceCoded {
   std::uint64_t connection = 0;
   SliceOrder order;
   Result<std::string> coded;
+  std::string second = {};  ///< of the second scan; empty: none
+  std::string labels = {};  ///< of the pixels; empty: none
 };
+/// The labels of the volume in the store were replaced.
+struct LabelsReplaced {};
 /// Time has passed, so that requests over their limit may be due.
 struct SlicesTicked {};
 struct AllViewersLeft {};
@@ -42,6 +46,7 @@ class Slices {
   Effects handle(SliceCoded event, SessionState& state, TimePoint now);
   Effects handle(SlicesTicked event, SessionState& state, TimePoint now);
   Effects handle(SceneChanged event, SessionState& state, TimePoint now);
+  Effects handle(LabelsReplaced event, SessionState& state);
   Effects handle(AllViewersLeft event);
 
   /// Returns nullopt until the volume is loaded.

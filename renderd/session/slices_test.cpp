@@ -101,6 +101,31 @@ TEST_F(SlicesTest, SendsCodedSliceAndTakesNewestRequestNext) {
   EXPECT_EQ(only<CodeSlice>(effects)[0].order.due.index, 5u);
 }
 
+TEST_F(SlicesTest, OnlyViewersWhoMayKnowLabelsGetThem) {
+  const std::uint64_t other = guest();
+  ask(connection, 3);
+  ask(other, 3);
+  const auto orders = only<CodeSlice>(load());
+  ASSERT_EQ(orders.size(), 2u);
+  EXPECT_TRUE(orders[0].with_labels);
+  EXPECT_FALSE(orders[1].with_labels);
+  const auto sent = slices.handle(
+      SliceCoded{connection, orders[0].order, std::string("data"), {}, "labels"}, state, now);
+  EXPECT_EQ(only<Send>(sent).at(0).message.slice().labels(), "labels");
+}
+
+TEST_F(SlicesTest, NewLabelsMakeTheSlicesOfTheirViewersStale) {
+  const std::uint64_t other = guest();
+  ask(connection, 3);
+  ask(other, 3);
+  for (const CodeSlice& order : only<CodeSlice>(load())) coded(order);
+  const auto stale = only<Send>(slices.handle(LabelsReplaced{}, state));
+  ASSERT_EQ(stale.size(), 1u) << "guests see no labels";
+  EXPECT_EQ(stale[0].connection, connection);
+  EXPECT_TRUE(stale[0].message.has_slices_stale());
+  sole<LoadVoxels>(ask(connection, 4));
+}
+
 TEST_F(SlicesTest, RebuildsSliceIfTheClipChangedMeanwhile) {
   const std::uint64_t other = guest();
   ask(other, 3);

@@ -73,7 +73,7 @@ def _print(section: dict[str, Any]) -> None:
         widths = [max(len(line[i]) for line in lines) for i in range(len(table["columns"]))]
         print(f"\n{table['title']}")
         for line in lines:
-            print("  " + "  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip())
+            print("  " + "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
     for note in section["notes"]:
         print(f"\n{note}")
 

@@ -81,7 +81,7 @@ def materials(document: dict[str, Any], rng: np.random.Generator | None = None) 
                                   intervals.means(differences, rng=rng), intervals.means(differences, weights, rng=rng),
                                   intervals.hotelling(differences, weights)))
     effects = intervals.holm([one.p_value for one in found], SIGNIFICANCE)
-    return [Material(**{**one.__dict__, "effect": effect}) for one, effect in zip(found, effects)]
+    return [Material(**{**one.__dict__, "effect": effect}) for one, effect in zip(found, effects, strict=True)]
 
 
 def adoptable(found: list[Material]) -> dict[str, list[float]] | None:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import io
-from typing import Callable, Iterable
+from collections.abc import Callable, Iterable
 
+import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-import matplotlib
+from matplotlib.ticker import MaxNLocator
 from scipy.cluster import hierarchy
 
 from . import tours, viewpoints
 from .comfort import Material
-from .latency import Result as LatencyResult, share_at
+from .latency import Result as LatencyResult
+from .latency import share_at
 from .texts import Texts
 
 #: Colours that people with colour blindness can tell apart (Okabe and Ito 2008).
@@ -34,7 +37,7 @@ def written(figure: Figure, kind: str) -> bytes:
 
 
 def _hex(colour: np.ndarray) -> str:
-    return "#%02x%02x%02x" % tuple(int(round(value)) for value in colour)
+    return "#{:02x}{:02x}{:02x}".format(*(int(round(value)) for value in colour))
 
 
 def _bars(rows: Iterable[str], columns: list[str], colour: Callable[[int, int], np.ndarray], width: float) -> Figure:
@@ -85,7 +88,7 @@ def figure_25(result: viewpoints.Result, t: Texts) -> Figure:
     return figure
 
 
-def _seen_from_above(axes, result: viewpoints.Result, t: Texts) -> None:
+def _seen_from_above(axes: Axes, result: viewpoints.Result, t: Texts) -> None:
     """Prepares axes on which the body is seen from above its head, with the front at the bottom."""
     axes.add_patch(matplotlib.patches.Circle((0, 0), 1, facecolor="#e8eef3", edgecolor="#8796a3", linewidth=0.8))
     axes.text(0, 0, t("region"), ha="center", va="center", fontsize=8)
@@ -100,7 +103,7 @@ def figure_26(result: viewpoints.Result, t: Texts) -> Figure:
     """Draws the tour in the order in which the clusters were found, by their sizes, and in the order by angle, with the same curve."""
     figure = _figure(8.2, 4.5)
     found = sorted(result.clusters, key=lambda one: int(one.members[0]))
-    for axes, clusters, title in zip(figure.subplots(1, 2), (found, result.clusters), (t("unordered"), t("ordered"))):
+    for axes, clusters, title in zip(figure.subplots(1, 2), (found, result.clusters), (t("unordered"), t("ordered")), strict=True):
         eyes = tours.curve(np.array([one.direction for one in clusters]), np.array([one.distance for one in clusters]))
         _seen_from_above(axes, result, t)
         axes.plot(eyes[:, 0], eyes[:, 1], color=COLOURS[0], linewidth=1.6)
@@ -131,7 +134,7 @@ def figure_27(result: viewpoints.Result, t: Texts) -> Figure:
         axes.annotate(str(number + 1), (x[0], y[0]), ha="center", va="center", color="white", fontweight="bold", zorder=4)
     ticks = (-180, -90, 0, 90, 180)
     axes.set(xlim=(-184, 184), ylim=(-94, 94), xticks=ticks, yticks=range(-90, 91, 45), xlabel=f"{t('azimuth')} (°)", ylabel=f"{t('elevation')} (°)")
-    axes.set_xticklabels([f"{t.number(value)}\n{t(side)}" for value, side in zip(ticks, ("back", "right", "front", "left", "back"))])
+    axes.set_xticklabels([f"{t.number(value)}\n{t(side)}" for value, side in zip(ticks, ("back", "right", "front", "left", "back"), strict=True)])
     axes.grid(color=FAINT, linewidth=0.6)
     return figure
 
@@ -149,7 +152,7 @@ def figure_latency(result: LatencyResult, t: Texts) -> Figure:
     figure = _figure(8.2, 7.4)
     accepted, rating, seconds = figure.subplots(3, 1, sharex=True, height_ratios=(1.5, 1, 1))
     shares = result.accepted / result.trials
-    ends = np.array([intervals.share(int(a), int(n)) for a, n in zip(result.accepted, result.trials)])
+    ends = np.array([intervals.share(int(a), int(n)) for a, n in zip(result.accepted, result.trials, strict=True)])
     accepted.errorbar(result.delays, 100 * shares, yerr=100 * np.abs(ends.T - shares), fmt="o", color=COLOURS[0], ecolor="#7fb8d8", capsize=3)
     if result.parameters is not None:
         along = np.linspace(result.delays[0], result.delays[-1], 200)
@@ -160,8 +163,8 @@ def figure_latency(result: LatencyResult, t: Texts) -> Figure:
             accepted.annotate(f"{t.number(value)} ms", (value, 100 * share), xytext=(7, 6), textcoords="offset points", color=COLOURS[2], fontweight="bold")
     accepted.set(ylabel=f"{t('accepted')} (%)", ylim=(-4, 104))
     for axes, estimates, label in ((rating, result.ratings, t("rating")), (seconds, result.seconds, t("seconds"))):
-        middle, low, high = (np.array([getattr(one, name)[0] for one in estimates]) for name in ("mean", "low", "high"))
-        axes.errorbar(result.delays, middle, yerr=np.nan_to_num([middle - low, high - middle]).clip(0), fmt="o-", color=COLOURS[0], ecolor="#7fb8d8", capsize=3)
+        middle, lower, upper = (np.array([getattr(one, name)[0] for one in estimates]) for name in ("mean", "low", "high"))
+        axes.errorbar(result.delays, middle, yerr=np.nan_to_num([middle - lower, upper - middle]).clip(0), fmt="o-", color=COLOURS[0], ecolor="#7fb8d8", capsize=3)
         axes.set_ylabel(label)
     rating.set_ylim(-0.4, 10.4)
     seconds.set_ylim(bottom=0)
@@ -174,9 +177,9 @@ def figure_latency(result: LatencyResult, t: Texts) -> Figure:
 def figure_sus(scores: np.ndarray, t: Texts) -> Figure:
     figure = _figure(8.2, 3)
     axes = figure.subplots()
-    axes.hist(scores, bins=np.arange(0, 101, 10), color=COLOURS[0], edgecolor="white")
+    axes.hist(scores, bins=[*range(0, 101, 10)], color=COLOURS[0], edgecolor="white")
     axes.axvline(scores.mean(), color=COLOURS[1], linewidth=1.6, label=f"{t('mean')} {t.number(scores.mean(), 1)}")
     axes.set(xlim=(0, 100), xlabel=t("score"), ylabel=t("overview"))
-    axes.yaxis.get_major_locator().set_params(integer=True)
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(frameon=False)
     return figure

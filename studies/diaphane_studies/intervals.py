@@ -29,7 +29,8 @@ def means(values: np.ndarray, weights: np.ndarray | None = None, rng: np.random.
 
     Colour differences are skewed, because a colour cannot leave its range. There, t and BCa intervals of 43 values cover
     too seldom. A resample draws participants together with their weights, and the standard error is that of a ratio of
-    means."""
+    means.
+    """
     values = np.atleast_2d(np.asarray(values, float).T).T
     n = len(values)
     weights = np.ones(n) if weights is None else np.asarray(weights, float)
@@ -75,17 +76,20 @@ def share(count: int, n: int, level: float = LEVEL) -> tuple[float, float]:
 
 def hotelling(values: np.ndarray, weights: np.ndarray) -> float:
     """Returns the p-value of Hotelling's T² test that the weighted means of all columns are 0. The number of values is that of
-    equal weights with the same error (Kish 1965)."""
-    columns = values.shape[1]
+    equal weights with the same error (Kish 1965). Directions in which nothing varies are left out, such as a colour component
+    that nobody changed: they would make the test impossible, and say nothing about the others.
+    """
     n = weights.sum() ** 2 / (weights ** 2).sum() if len(values) else 0
-    if n <= columns + 1:
+    if n <= 2:
         return 1.0
     mean = weights @ values / weights.sum()
     moved = weights[:, None] * (values - mean) / weights.sum()
-    covariance = moved.T @ moved * n / (n - 1)
-    if np.linalg.matrix_rank(covariance) < columns:
+    variances, directions = np.linalg.eigh(moved.T @ moved * n / (n - 1))
+    varied = variances > variances.max() * len(variances) * np.finfo(float).eps
+    columns = int(varied.sum())
+    if columns == 0 or n <= columns + 1:
         return 1.0
-    statistic = float(mean @ np.linalg.solve(covariance, mean))
+    statistic = float(((mean @ directions[:, varied]) ** 2 / variances[varied]).sum())
     return float(stats.f.sf(statistic * (n - columns) / (columns * (n - 1)), columns, n - columns))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,7 +36,8 @@ class Result:
 
 def share_at(delays: np.ndarray, parameters: np.ndarray) -> np.ndarray:
     """Returns the share that accepts a delay: a cumulative Gaussian between lapse / 2 and 1 - lapse / 2. The thresholds of people
-    vary like a Gaussian. A logistic function put the delay that 75% accept 4 ms too high, and its interval covered too seldom."""
+    vary like a Gaussian. A logistic function put the delay that 75% accept 4 ms too high, and its interval covered too seldom.
+    """
     threshold, scale, lapse = (parameters[..., i, None] for i in range(3))
     return lapse / 2 + (1 - lapse) * ndtr((threshold - delays) / scale)
 
@@ -47,7 +49,8 @@ def _likelihood(accepted: np.ndarray, trials: np.ndarray, shares: np.ndarray) ->
 
 def fit(delays: np.ndarray, accepted: np.ndarray, trials: np.ndarray) -> np.ndarray:
     """Returns the parameters of greatest likelihood for each row of counts: first on a grid, then on ever finer ones around the
-    best. All rows are fitted together, which is a hundred times as fast as an optimiser per resample."""
+    best. All rows are fitted together, which is a hundred times as fast as an optimiser per resample.
+    """
     width = float(delays[-1] - delays[0])
     grid = np.stack(np.meshgrid(np.linspace(delays[0] - width / 2, delays[-1] + width / 2, 41), np.geomspace(width / 60, width, 16), LAPSES,
                                 indexing="ij"), axis=-1).reshape(-1, 3)
@@ -82,7 +85,8 @@ def _p_value(delays: np.ndarray, accepted: np.ndarray, trials: np.ndarray, best:
 def thresholds(delays: np.ndarray, accepted: np.ndarray, trials: np.ndarray, rng: np.random.Generator,
                shares: tuple[float, ...] = (0.5, 0.75)) -> tuple[np.ndarray, dict[float, tuple[float, float, float]]]:
     """Returns the parameters, and thresholds with percentile intervals that are expanded for the number of participants
-    (Hesterberg 2015). `accepted` and `trials` have one row per participant, because a resample draws whole participants."""
+    (Hesterberg 2015). `accepted` and `trials` have one row per participant, because a resample draws whole participants.
+    """
     n = len(trials)
     best = fit(delays, accepted.sum(axis=0)[None], trials.sum(axis=0)[None])[0]
     counts = rng.multinomial(n, np.full(n, 1 / n), _RESAMPLES).astype(float)
@@ -110,7 +114,7 @@ def analyse(document: dict[str, Any], step: str, rng: np.random.Generator | None
             accepted[row, column] += bool(trial["acceptable"])
             trials[row, column] += 1
 
-    def by_delay(value) -> list[np.ndarray]:
+    def by_delay(value: Callable[[dict[str, Any]], float]) -> list[np.ndarray]:
         """Returns each participant's mean at each delay."""
         return [np.array([np.mean(own) for one in people if (own := [value(trial) for trial in one if trial["delay_ms"] == delay])])
                 for delay in delays]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,8 @@ def as_json(result: dict[str, Any]) -> dict[str, Any]:
     return {**result, "sections": sections}
 
 
-def _section(name: str, title: str, notes: list[str] = [], tables: list[dict[str, Any]] = [], drawn: list[tuple[str, str, Figure]] = []) -> Section:
+def _section(name: str, title: str, notes: Sequence[str] = (), tables: Sequence[dict[str, Any]] = (),
+             drawn: Sequence[tuple[str, str, Figure]] = ()) -> Section:
     return {"id": name, "title": title, "notes": list(notes), "tables": list(tables), "figures": [{"id": a, "title": b, "svg": c} for a, b, c in drawn]}
 
 
@@ -62,12 +64,12 @@ def _comfort(document: dict[str, Any], materials: list[comfort.Material], t: Tex
         return []
     names = [export.text(one.name, t.language) or one.channel for one in materials]
     rows = []
-    for name, one in zip(names, materials):
+    for name, one in zip(names, materials, strict=True):
         for measure, estimate in ((t("difference"), one.plain), (t("weighted"), one.weighted)):
             for column, component in enumerate((t("red"), t("green"), t("blue"))):
                 rows.append([name, measure, str(estimate.n), component, t.number(estimate.mean[column]), t.interval(estimate.low[column], estimate.high[column]),
                              t.number(estimate.deviation[column])])
-    notes = [t("comfort_rule")] + [t("effect" if one.effect else "no_effect", name=name, p=t.p_value(one.p_value)) for name, one in zip(names, materials)]
+    notes = [t("comfort_rule")] + [t("effect" if one.effect else "no_effect", name=name, p=t.p_value(one.p_value)) for name, one in zip(names, materials, strict=True)]
     if any(comfort.ratings_before(document, one.step) is None for one in materials):
         notes.insert(1, t("no_rating"))
     table = _table(t("table1"), [t("material"), t("measure"), t("n"), t("channel"), t("mean"), t("interval"), t("deviation")], rows)
@@ -133,8 +135,8 @@ def _latency(document: dict[str, Any], t: Texts) -> list[Section]:
         tables = [_table(t("by_delay"), [t("delay"), t("n"), t("accepted"), t("rating"), t("seconds"), t("error")], rows)]
         notes = [t("latency_rule")]
 
-        def delay_text(value: float) -> str:
-            return t.number(value) if np.isfinite(value) else t("beyond", value=t.number(found.delays[-1]))
+        def delay_text(value: float, longest: float = found.delays[-1]) -> str:
+            return t.number(value) if np.isfinite(value) else t("beyond", value=t.number(longest))
 
         if found.thresholds:
             tables.insert(0, _table(t("thresholds"), [t("threshold"), t("delay"), t("interval")],

@@ -10,7 +10,7 @@ import sys
 import threading
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from types import FrameType
+from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from . import export
@@ -57,7 +57,7 @@ class Handler(BaseHTTPRequestHandler):
         finally:
             _turn.release()
 
-    def _answer(self, status: HTTPStatus, value: dict | bytes) -> None:
+    def _answer(self, status: HTTPStatus, value: dict[str, Any] | bytes) -> None:
         body = value if isinstance(value, bytes) else json.dumps(value).encode()
         self.send_response(status)
         self.send_header("Content-Type", "application/json")
@@ -76,7 +76,7 @@ class Server(ThreadingHTTPServer):
         """Logs no trace of a connection that broke off, because that has the address."""
 
 
-def analysed(body: bytes, language: str, seconds: float = MOST_SECONDS) -> tuple[HTTPStatus, dict | bytes]:
+def analysed(body: bytes, language: str, seconds: float = MOST_SECONDS) -> tuple[HTTPStatus, dict[str, Any] | bytes]:
     """Analyses an export in a process of its own, which ends with the time, and takes nothing else down."""
     try:
         done = subprocess.run([sys.executable, "-m", f"{__package__}.serve", "--analyse", language], input=body, capture_output=True, timeout=seconds)
@@ -99,7 +99,7 @@ def _analyse(language: str) -> int:
     from . import report
 
     try:
-        result: dict = report.as_json(report.analyse(export.parse(sys.stdin.buffer.read()), language))
+        result: dict[str, Any] = report.as_json(report.analyse(export.parse(sys.stdin.buffer.read()), language))
         code = 0
     except export.ExportError as error:
         result, code = {"error": str(error)}, _REFUSED
@@ -112,11 +112,7 @@ def main() -> int:
         return _analyse(sys.argv[2])
     address, port = os.environ.get("DIAPHANE_ADDRESS", "127.0.0.1"), int(os.environ.get("DIAPHANE_PORT", "8095"))
     server = Server((address, port), Handler)
-
-    def stop(_number: int, _frame: FrameType | None) -> None:
-        threading.Thread(target=server.shutdown).start()
-
-    signal.signal(signal.SIGTERM, stop)
+    signal.signal(signal.SIGTERM, lambda *_: threading.Thread(target=server.shutdown).start())
     print(f"listening on {address}:{port}", file=sys.stderr, flush=True)
     server.serve_forever()
     return 0

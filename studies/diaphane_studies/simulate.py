@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 from scipy.special import expit
@@ -18,7 +19,8 @@ CENTRE, RADIUS = np.array([12.0, -30.0, 140.0]), 45.0
 @dataclass(frozen=True)
 class Published:
     """A material of Table 1 of the thesis. With the reference #fb0404 of the vessels, red could not change by +36, so that the
-    simulated vessels are darker."""
+    simulated vessels are darker.
+    """
 
     channel: str
     name: dict[str, str]
@@ -58,9 +60,10 @@ def _rating(name: str, low: int, high: int) -> dict[str, Any]:
 
 def _differences(material: Published, weights: np.ndarray, expected: float, variance: float, rng: np.random.Generator) -> np.ndarray:
     """Draws differences with the means and deviations of Table 1 from beta distributions between black and full colour. They
-    depend on the weights such that the weighted means are those of Table 1, too."""
+    depend on the weights such that the weighted means are those of Table 1, too.
+    """
     columns = []
-    for reference, mean, deviation, weighted in zip(material.reference, material.mean, material.deviation, material.weighted):
+    for reference, mean, deviation, weighted in zip(material.reference, material.mean, material.deviation, material.weighted, strict=True):
         slope = (weighted - mean) * expected / variance
         share = (reference + mean + slope * (weights - expected)) / 255
         size = share * (1 - share) / ((deviation ** 2 - slope ** 2 * variance) / 255 ** 2) - 1
@@ -79,9 +82,9 @@ def comfort(rng: np.random.Generator, n: int = PARTICIPANTS, effect: bool = True
     for material in TABLE_1:
         differences = (_differences(material, weights_of(ratings.astype(float)), expected, variance, rng) if effect
                        else np.clip(np.rint(rng.normal(0, 1.5, (n, 3))), -4, 4))
-        for one, difference in zip(people, differences):
+        for one, difference in zip(people, differences, strict=True):
             to = np.clip(np.array(material.reference) + difference, 0, 255).astype(int)
-            one["colours"]["colours"].append({"channel": material.channel, "from": "#%02x%02x%02x" % material.reference, "to": "#%02x%02x%02x" % tuple(to)})
+            one["colours"]["colours"].append({"channel": material.channel, "from": "#{:02x}{:02x}{:02x}".format(*material.reference), "to": "#{:02x}{:02x}{:02x}".format(*to)})
     steps = [_rating("rating", 0, 10), _step("colours", "colours", materials=[{"channel": one.channel, "name": one.name} for one in TABLE_1])]
     return document("comfort", "Simulated comfort", steps, people)
 
@@ -93,12 +96,12 @@ def validation(rng: np.random.Generator, n: int = VALIDATORS, agreeing: tuple[fl
     people = []
     for _ in range(n):
         places = {names[2]: 0.0}
-        for name, value in zip(names, comforts):
+        for name, value in zip(names, comforts, strict=True):
             if value:
                 right = rng.random() < agreeing[int(value > 0)]
                 places[name] = (value if right else -value) + rng.normal(0, 0.1)
         people.append({"order": {"order": sorted(places, key=places.__getitem__), "shown": [str(one) for one in rng.permutation(names)]}})
-    return document("validation", "Simulated validation", [_step("order", "order", pictures=[{"id": a, "comfort": b} for a, b in zip(names, comforts)])], people)
+    return document("validation", "Simulated validation", [_step("order", "order", pictures=[{"id": a, "comfort": b} for a, b in zip(names, comforts, strict=True)])], people)
 
 
 # Viewpoints
@@ -120,7 +123,7 @@ def _apart(k: int, degrees: float, rng: np.random.Generator) -> np.ndarray:
 
 def _viewpoints(directions: np.ndarray, distances: np.ndarray, rng: np.random.Generator) -> dict[str, Any]:
     people = []
-    for direction, distance in zip(directions, distances):
+    for direction, distance in zip(directions, distances, strict=True):
         eyes = [CENTRE + RADIUS * distance * direction, CENTRE + RADIUS * 6 * unit(rng.normal(size=3))]
         camera, start = ({"eye": eye.tolist(), "target": CENTRE.tolist(), "up": [0.0, 0.0, 1.0]} for eye in eyes)
         people.append({"viewpoint": {"camera": camera, "start": start}})
@@ -138,11 +141,12 @@ class Planted:
 
 def viewpoints(rng: np.random.Generator, n: int = PARTICIPANTS, k: int | None = None, outliers: int = 2) -> tuple[dict[str, Any], Planted]:
     """Returns a crowd with 3 to 5 clusters that are 60° apart, with a deviation of 8° to 12° and at least five views each, and some
-    views from eight times as far away. These are at least 90° apart, because the thesis keeps views that two participants share."""
+    views from eight times as far away. These are at least 90° apart, because the thesis keeps views that two participants share.
+    """
     k = k or int(rng.integers(3, 6))
     centres = _apart(k, 60, rng)
     sizes = 5 + rng.multinomial(n - outliers - 5 * k, rng.dirichlet(np.full(k, 2.0)))
-    directions = np.vstack([*(near(one, rng.uniform(8, 12), size, rng) for one, size in zip(centres, sizes)), _apart(outliers, 90, rng)])
+    directions = np.vstack([*(near(one, rng.uniform(8, 12), size, rng) for one, size in zip(centres, sizes, strict=True)), _apart(outliers, 90, rng)])
     distances = np.exp(rng.normal(np.log(4), 0.15, n))
     distances[n - outliers:] *= 8
     order = rng.permutation(n)
@@ -174,7 +178,8 @@ def accepting(delays: np.ndarray | float, thresholds: np.ndarray | float) -> np.
 
 def latency(rng: np.random.Generator, n: int = PARTICIPANTS) -> dict[str, Any]:
     """Returns a crowd in which half accept 160 ms: a delay is accepted by a logistic function whose threshold differs between
-    participants."""
+    participants.
+    """
     people = []
     for _ in range(n):
         own = THRESHOLD + rng.normal(0, BETWEEN)

@@ -13,7 +13,8 @@ _WIDEST = np.radians(60)
 
 def curve(directions: np.ndarray, distances: np.ndarray, samples: int = 240) -> np.ndarray:
     """Returns eyes on a closed curve through the views, in radii from the centre. It never comes closer than the closest view:
-    directions follow a periodic cubic spline on the sphere, and distances a monotone one."""
+    directions follow a periodic cubic spline on the sphere, and distances a monotone one.
+    """
     if len(directions) < 2:
         return directions * distances[:, None]
     points, lengths = [], []
@@ -23,11 +24,11 @@ def curve(directions: np.ndarray, distances: np.ndarray, samples: int = 240) -> 
         for piece in range(pieces):
             points.append(_between(direction, following, piece / pieces))
             lengths.append(np.exp(np.log(distances[i]) + piece / pieces * np.log(distances[(i + 1) % len(distances)] / distances[i])))
-    points, lengths = np.array([*points, points[0]]), np.array([*lengths, lengths[0]])
-    steps = np.maximum(np.linalg.norm(np.diff(points, axis=0), axis=1), 1e-3)
+    way, scales = np.array([*points, points[0]]), np.array([*lengths, lengths[0]])
+    steps = np.maximum(np.linalg.norm(np.diff(way, axis=0), axis=1), 1e-3)
     along = np.concatenate([[0], np.cumsum(steps)])
     where = np.linspace(0, along[-1], samples)
-    return unit(CubicSpline(along, points, bc_type="periodic")(where)) * PchipInterpolator(along, lengths)(where)[:, None]
+    return unit(CubicSpline(along, way, bc_type="periodic")(where)) * PchipInterpolator(along, scales)(where)[:, None]
 
 
 def _between(one: np.ndarray, other: np.ndarray, part: float) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy import stats
 
@@ -16,7 +18,7 @@ def comfort_trial(seed: int) -> dict[str, bool]:
     rng = np.random.default_rng([1, seed])
     found = comfort.materials(simulate.comfort(rng), rng)
     covered = {}
-    for material, truth in zip(found, simulate.TABLE_1):
+    for material, truth in zip(found, simulate.TABLE_1, strict=True):
         for kind, estimate, means in (("difference", material.plain, truth.mean), ("weighted", material.weighted, truth.weighted)):
             for column, mean in enumerate(means):
                 covered[f"{truth.channel} {kind} {'rgb'[column]}"] = bool(estimate.low[column] <= mean <= estimate.high[column])
@@ -58,7 +60,7 @@ def noise_trial(kind: str, seed: int) -> dict[str, bool]:
     return {kind: len(result.clusters) <= (1 if kind == "one view" else 0)}
 
 
-def _viewpoints(document: dict, rng: np.random.Generator) -> viewpoints.Result:
+def _viewpoints(document: dict[str, Any], rng: np.random.Generator) -> viewpoints.Result:
     [step] = export.steps(document, "viewpoint")
     views = viewpoints.views_of(document, step)
     assert views is not None

@@ -40,7 +40,7 @@ class Views:
         """Returns the coordinates in which outliers are far away: twice the distance is as far as 40° of direction."""
         return np.column_stack([self.directions, np.log(self.distances)])
 
-    def subset(self, kept: np.ndarray) -> "Views":
+    def subset(self, kept: np.ndarray) -> Views:
         return Views(self.numbers[kept], self.directions[kept], self.distances[kept], self.targets[kept], self.ups[kept], self.centre, self.radius)
 
 
@@ -111,7 +111,8 @@ def bound_of(linkage: np.ndarray) -> float:
 
 def without_outliers(features: np.ndarray) -> np.ndarray:
     """Removes the single view that joins others at the greatest height, while this height is an outlier of all heights: more
-    than three interquartile ranges above the third quartile. Returns the indices of the views that stay."""
+    than three interquartile ranges above the third quartile. Returns the indices of the views that stay.
+    """
     kept = np.arange(len(features))
     while len(kept) >= FEWEST:
         linkage = linkage_of(features[kept])
@@ -170,7 +171,8 @@ def _ring(directions: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 def p_several(directions: np.ndarray, rng: np.random.Generator) -> float:
     """Returns the p-value of several clusters, by Monte Carlo tests against three crowds without clusters: uniform directions, one
-    Gaussian with the crowd's mean and covariance, and a ring. It is the greatest of the three."""
+    Gaussian with the crowd's mean and covariance, and a ring. It is the greatest of the three.
+    """
     n = len(directions)
     own = structure(directions)
     exceeding = sum(value >= own for value in _uniform_structure(n))
@@ -194,7 +196,8 @@ def p_one(directions: np.ndarray) -> float:
 
 def mixtures(directions: np.ndarray) -> tuple[dict[int, float], np.ndarray]:
     """Returns the silhouette of each number of clusters from 2 to n/2, and the labels of the best. The Gaussian mixtures start at
-    the clusters of the dendrogram, so that they are the same each time."""
+    the clusters of the dendrogram, so that they are the same each time.
+    """
     condensed = pdist(directions)
     linkage, distances = hierarchy.linkage(condensed, "average"), squareform(condensed)
     silhouettes, best = {}, np.zeros(len(directions), int)

@@ -120,7 +120,7 @@ class Uploads:
 def small_parts(monkeypatch):
     monkeypatch.setattr(_upload, "PART", 1000)
     monkeypatch.setattr("time.sleep", lambda _: None)
-    monkeypatch.setattr("diaphane.client.clean_files", lambda path, series: [hashlib.sha256(str(path).encode()).digest() * 60])
+    monkeypatch.setattr("diaphane.client.clean_files", lambda path, series, phases: [hashlib.sha256(str(path).encode()).digest() * 60])
 
 
 def test_an_upload_continues_where_the_server_is(small_parts):

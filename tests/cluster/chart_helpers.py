@@ -32,8 +32,11 @@ CHOICES = {
                           "redisTo": [{"ipBlock": {"cidr": "10.1.0.0/16"}}], "mailTo": [{"ipBlock": {"cidr": "10.2.0.0/16"}}],
                           "apiServerTo": [{"ipBlock": {"cidr": "10.3.0.0/16"}}], "monitoringFrom": [{"podSelector": {}}]},
         "monitoring": {"podMonitor": {"enabled": True, "labels": {"x": "y"}}, "rules": {"enabled": True}, "dashboard": {"enabled": True}}},
+    "archives": {"pacs": {"enabled": True, "secret": "archives", "receiver": {"enabled": True, "from": [{"ipBlock": {"cidr": "10.4.0.0/16"}}]},
+                          "archivesTo": [{"ipBlock": {"cidr": "10.4.0.0/16"}}], "archivePorts": [443, 104], "spool": {"sizeMb": 1000, "storageClassName": "fast"},
+                          "nodeSelector": {"pool": "web"}, "tolerations": [{"operator": "Exists"}]}},
     "little": {"operator": {"enabled": False}, "fleet": {"enabled": False, "volumeCopies": {"sizeMb": 0}}, "networkPolicy": {"enabled": False}, "ingest": {"replicas": 0},
-               "podDisruptionBudgets": {"enabled": False}, "migrate": {"enabled": False}, "api": {"replicas": 1},
+               "podDisruptionBudgets": {"enabled": False}, "studies": {"analysis": {"enabled": False}}, "migrate": {"enabled": False}, "api": {"replicas": 1},
                "storage": {"volumes": {"existingClaim": "a"}, "uploads": {"existingClaim": "b"}, "cache": {"existingClaim": "c"}}},
 }
 

@@ -58,6 +58,8 @@ def test_helm_lint_passes(plane, tmp_path):
     ({"networkPolicy": {"postgresTo": [{}]}}, "postgresTo"),
     ({"publicUrl": "http://x", "ingress": {"enabled": True, "tlsSecret": "t"}}, "ingress.tlsSecret"),
     ({"mailFrom": "a@b\nBcc: c@d"}, "mailFrom"),
+    ({"pacs": {"enabled": True}}, "pacs.enabled requires pacs.secret"),
+    ({"pacs": {"spool": {"sizeMb": 1}}}, "sizeMb"),
 ], ids=str)
 def test_invalid_values_are_refused_by_name(plane, tmp_path, values, words):
     said = plane.helm("template", "it", str(CHART), "-f", values_file(tmp_path, values), check=False)
@@ -236,7 +238,12 @@ def test_network_policies_allow_only_needed_connections(plane, tmp_path):
     assert sorted(port["port"] for rule in talks for port in rule["ports"]) == [53, 53, 3311, 5432]
     assert out("ingest") == [53, 53, 5432] and out("migrate") == [53, 53, 5432] and out("renderd") == [53, 53, 6379]
     assert out("retire") == [53, 53, 443, 6443]
-    assert out("operator") == [53, 53, 443, 6379, 6443] and out("api") == [25, 53, 53, 465, 587, 5432, 6379, 8085]
+    assert out("operator") == [53, 53, 443, 6379, 6443] and out("api") == [25, 53, 53, 465, 587, 5432, 6379, 8085, 8095]
+    archives = {one["metadata"]["name"].removeprefix("it-diaphane-"): one["spec"]
+                for one in rendered(plane, tmp_path, CHOICES["archives"]) if one["kind"] == "NetworkPolicy"}
+    assert {"ports": [{"port": 443}, {"port": 104}], "to": [{"ipBlock": {"cidr": "10.4.0.0/16"}}]} in archives["pacs"]["egress"]
+    assert {"ports": [{"port": "dicom"}], "from": [{"ipBlock": {"cidr": "10.4.0.0/16"}}]} in archives["pacs"]["ingress"]
+    assert any(port["port"] == 8096 for rule in archives["api"]["egress"] for port in rule["ports"])
     grpc = [rule for rule in policies["renderd"]["ingress"] if rule["ports"] == [{"port": "grpc"}]]
     assert grpc[0]["from"][0]["podSelector"]["matchLabels"]["app.kubernetes.io/component"] == "api"
     pods = {spec_labels(one)["app.kubernetes.io/component"] for one in rendered(plane, tmp_path) if one["kind"] in ("Deployment", "Job", "RenderFleet")}
@@ -249,16 +256,32 @@ def spec_labels(one: dict) -> dict:
 
 def test_the_edge_configuration_is_valid_and_complete(plane, tmp_path):
     """nginx accepts it, every placeholder is replaced, and a trusted proxy determines the client's address."""
-    for choice in ("base", "everything"):
+    for choice in ("base", "everything", "archives"):
         config = next(one for one in rendered(plane, tmp_path, CHOICES[choice]) if one["kind"] == "ConfigMap" and "nginx.conf" in one["data"])
         text = config["data"]["nginx.conf"]
         assert "@" not in "".join(line for line in text.splitlines() if "@" in line and line.split("@")[1].isupper())
         assert ("set_real_ip_from 10.0.0.0/8;" in text) is (choice == "everything")
+        assert ('set $archives "on";' in text, 'set $archives "off";' in text) == (choice == "archives", choice != "archives")
+        # nginx looks names up when it reads its configuration, and here nobody knows this one.
+        text = text.replace("server it-diaphane-pacs:8096", "server 127.0.0.1:8096")
         for inside, outside in (("/run/edge", tmp_path), ("/opt/diaphane/page", tmp_path), ("/data/cache", tmp_path), ("/dev/stdout", tmp_path / "log")):
             text = text.replace(inside, str(outside))
         (tmp_path / "nginx.conf").write_text(text, encoding="utf-8")
         done = subprocess.run(["/usr/sbin/nginx", "-t", "-e", "stderr", "-p", str(tmp_path), "-c", str(tmp_path / "nginx.conf")], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
+
+
+def test_the_gateway_to_archives_keeps_received_series_in_a_volume_of_its_own(plane, tmp_path):
+    objects = rendered(plane, tmp_path, CHOICES["archives"])
+    spec = dict(pod_specs(objects))["Deployment/it-diaphane-pacs"]
+    environment = {one["name"]: one["value"] for one in spec["containers"][0]["env"]}
+    assert (environment["DIAPHANE_SPOOL_DIR"], environment["DIAPHANE_SPOOL_MB"]) == ("/spool/series", "900")
+    [claim] = [one for one in objects if one["kind"] == "PersistentVolumeClaim" and one["metadata"]["name"] == "it-diaphane-pacs"]
+    assert (claim["spec"]["storageClassName"], claim["spec"]["resources"]["requests"]["storage"]) == ("fast", "1000Mi")
+    assert {"name": "spool", "persistentVolumeClaim": {"claimName": "it-diaphane-pacs"}} in spec["volumes"]
+    own = rendered(plane, tmp_path, CHOICES["archives"], {"pacs": {"spool": {"existingClaim": "mine"}}})
+    assert {"name": "spool", "persistentVolumeClaim": {"claimName": "mine"}} in dict(pod_specs(own))["Deployment/it-diaphane-pacs"]["volumes"]
+    assert not [one for one in own if one["kind"] == "PersistentVolumeClaim" and one["metadata"]["name"] == "it-diaphane-pacs"]
 
 
 def test_promtool_accepts_the_rules_and_their_tests_pass(plane, tmp_path):

@@ -42,7 +42,7 @@ DIRECTIVES = ("client_max_body_size", "client_body_timeout", "client_header_time
               "client_body_buffer_size", "limit_conn", "limit_req", "keepalive_timeout", "keepalive_requests", "worker_connections", "server")
 
 #: Code that reads input: a constant with a name like a limit must be in the table, or in NOT_OF_INPUT with a reason.
-SOURCES = ("api/shared", "api/routing", "api/accounts", "api/scans", "api/annotations", "api/presets", "api/environments", "api/sharing", "api/sessions", "api/administration",
+SOURCES = ("api/shared", "api/routing", "api/accounts", "api/scans", "api/annotations", "api/presets", "api/environments", "api/sharing", "api/sessions", "api/administration", "api/pacs",
            "api/privacy", "api/stream", "api/http", "common", "scene", "volume", "ingest/pipeline", "ingest/dicom",
            "renderd/serve", "renderd/session", "renderd/scene", "renderd/film", "renderd/encode")
 LIMIT = re.compile(r"\bk(?:Max|Most|Largest|Longest|Deepest)\w*(?=\s*[={])")

@@ -16,7 +16,8 @@ CHART = REPO / "helm" / "diaphane"
 
 def _sources() -> str:
     folders = ("api", "common", "ingest", "renderd", "operator")
-    return "\n".join(file.read_text(encoding="utf-8") for folder in folders for file in (REPO / folder).rglob("*.cpp"))
+    files = [file for folder in folders for file in (REPO / folder).rglob("*.cpp")]
+    return "\n".join(file.read_text(encoding="utf-8") for file in (*files, REPO / "pacs" / "diaphane_pacs" / "metrics.py"))
 
 
 def _read_by_helpers(text: str) -> set[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -31,7 +32,7 @@ def test_the_image_runs_as_the_user_of_the_chart():
 
 def test_every_mount_point_exists_in_the_image():
     mounted = set()
-    for template in ("api.yaml", "ingest.yaml", "fleet.yaml", "migrate.yaml", "operator.yaml", "studies.yaml"):
+    for template in ("api.yaml", "ingest.yaml", "fleet.yaml", "migrate.yaml", "operator.yaml", "studies.yaml", "pacs.yaml"):
         mounted |= set(re.findall(r"mountPath: ([^,}\s]+)", (CHART / "templates" / template).read_text(encoding="utf-8")))
     made = set(re.search(r"mkdir -p ((?:/\S+ )+)", _containerfile())[1].split())
     assert {"/data/volumes", "/run/edge", "/tmp"} <= mounted
@@ -62,3 +63,14 @@ def test_a_compiler_is_known_by_its_name():
     others = ["/usr/bin/cat", "/usr/bin/last", "/usr/bin/ldd", "/usr/sbin/ldconfig", "/usr/bin/make-something", "/usr/share/doc/make",
               "/opt/diaphane/lib/libnvrtc.so.13", "/usr/sbin/nginx", "/usr/bin/perl"]
     assert image_check.compilers(there + others) == sorted(there)
+
+
+def test_the_gateway_to_archives_needs_only_what_the_image_has(tmp_path):
+    """Imports every module with the libraries of the image alone. -S leaves out those of this machine."""
+    image._pacs(tmp_path / "pacs")
+    modules = sorted(f"diaphane_pacs.{path.stem}" for path in (tmp_path / "pacs" / "diaphane_pacs").glob("[a-z]*.py"))
+    assert "diaphane_pacs.serve" in modules and "diaphane_pacs.spool" in modules
+    done = subprocess.run([image.PYTHON, "-S", "-c", f"import {', '.join(modules)}, sys; print(*sys.path)"], capture_output=True, text=True, cwd="/",
+                          env={"PYTHONPATH": str(tmp_path / "pacs"), "PYTHONDONTWRITEBYTECODE": "1"})
+    assert done.returncode == 0, done.stderr
+    assert "dist-packages" not in done.stdout

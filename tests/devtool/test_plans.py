@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 import os
 import sys
 import threading
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from devtool import commands, contracts, datadir, filelint, gpu, install, linkrules, logfiles, packages, paths, plan, ports, testing, venv  # noqa: E402
+from devtool import archive_settings, commands, contracts, datadir, filelint, gpu, install, linkrules, logfiles, packages, paths, plan, ports, testing, venv  # noqa: E402
 from devtool.layout import Layout  # noqa: E402
 from devtool.linkrules import PROGRAM, Graph  # noqa: E402
 from devtool.console import CliError  # noqa: E402
+from devtool.users import RunAs  # noqa: E402
 
 
 # Ports
@@ -120,9 +123,44 @@ def test_stopping_takes_at_most_five_seconds_without_the_database(settings):
 
 
 def test_the_analysis_is_left_out_until_its_libraries_are_installed(settings):
-    [analysis] = [program for program in plan.programs(settings) if program.optional]
-    assert analysis.name == "analysis" and analysis.missing()
+    [analysis, pacs] = [program for program in plan.programs(settings) if program.optional]
+    assert (analysis.name, pacs.name) == ("analysis", "pacs") and analysis.missing()
     assert f"http://127.0.0.1:{analysis.port}" in [value for program in plan.programs(settings) if program.name == "api" for value in program.env.values()]
+
+
+def test_the_gateway_to_archives_is_left_out_without_its_settings(settings, tmp_path):
+    def of(name: str, data: Path):
+        return next(program for program in plan.programs(dataclasses.replace(settings, data=data)) if program.name == name)
+
+    assert tmp_path / "archives.toml" in of("pacs", tmp_path).missing()
+    assert of("api", tmp_path).env["DIAPHANE_ARCHIVE_URL"] == ""
+    (tmp_path / "archives.toml").touch()
+    assert tmp_path / "archives.toml" not in of("pacs", tmp_path).missing()
+    assert of("api", tmp_path).env["DIAPHANE_ARCHIVE_URL"] == f"http://127.0.0.1:{of('pacs', tmp_path).port}"
+
+
+def test_archives_on_the_command_line_become_settings_and_never_replace_a_users_file(tmp_path):
+    text = archive_settings.from_options(["main=https://pacs.example/dicom-web", "old=dicom://ORTHANC@10.0.0.2:4242"])
+    parsed = tomllib.loads(text)["archive"]
+    assert [one["name"] for one in parsed] == ["main", "old"]
+    assert parsed[0]["url"] == "https://pacs.example/dicom-web" and (parsed[1]["ae_title"], parsed[1]["port"]) == ("ORTHANC", 4242)
+    for wrong in ("main", "=https://x", "Main=https://x", "main=ftp://x", 'main=https://x" y', "main=dicom://ORTHANC@x"):
+        with pytest.raises(CliError):
+            archive_settings.from_options([wrong])
+    archive_settings.write(tmp_path, text, RunAs())
+    datadir.check(tmp_path)     # with this file, a new folder is still one of Diaphane's
+    archive_settings.write(tmp_path, archive_settings.from_options(["main=https://other.example"]), RunAs())
+    assert "other.example" in (tmp_path / "archives.toml").read_text()
+    (tmp_path / "archives.toml").write_text("# mine\n")
+    with pytest.raises(CliError):
+        archive_settings.write(tmp_path, text, RunAs())
+
+
+def test_the_edge_knows_whether_there_is_a_gateway_to_archives(settings, tmp_path):
+    own = dataclasses.replace(settings, data=tmp_path)
+    assert plan.nginx_conf(own, "@ARCHIVES@") == "off"
+    (tmp_path / "archives.toml").touch()
+    assert plan.nginx_conf(own, "@ARCHIVES@") == "on"
 
 
 def test_every_placeholder_of_the_edge_configuration_is_replaced(settings):
@@ -308,11 +346,11 @@ def test_selected_cluster_tests_run_where_the_control_plane_is_built():
     def run(kind, plane):
         return [suite.kind for suite in testing.suites() if testing.is_run(suite, kind, plane)]
 
-    always = ["integration", "e2e"] + ["unit"] * 6 + ["e2e"]
+    always = ["integration", "e2e"] + ["unit"] * 7 + ["e2e"]
     assert run(None, False) == always and run(None, True) == [*always, testing.CHOSEN]
     nightly = [suite.kind for suite in testing.suites(nightly=True) if testing.is_run(suite, None, True, nightly=True)]
     assert nightly == [*always, *testing.NIGHTLY]
-    assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 6
+    assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 7
 
 
 def test_suites_run_in_parallel_and_are_counted_and_timed(tmp_path):
@@ -327,6 +365,14 @@ def test_suites_run_in_parallel_and_are_counted_and_timed(tmp_path):
                   testing.Suite("other", "integration", meets, cores=1)], tmp_path, cores=2)
     assert done.total == testing.Count(5, 1)
     assert done.times[0][0] == "alone" and {name for name, _, _ in done.times[1:]} == {"one", "other"}
+
+
+def test_the_folder_that_runs_share_can_be_reached_by_all_users_and_is_removed(tmp_path):
+    with testing.shared_folder(tmp_path):
+        folder = (tmp_path / testing.SHARED).resolve()
+        assert folder.stat().st_mode & 0o005 == 0o005
+        (folder / "made").write_text("once")
+    assert not folder.exists() and list(tmp_path.iterdir()) == []
 
 
 def test_running_suites_never_need_more_cores_than_available(tmp_path):

@@ -134,3 +134,7 @@ def test_large_groups_are_split_and_start_first():
 def test_a_header_is_included_once_unless_a_file_includes_it_twice():
     assert tidy.joined_text(["#include <a>\n1", "#include <a>\n#include <b>\n2"]) == "#include <a>\n1\n#include <b>\n2\n"
     assert tidy.joined_text(["#include <a>\n#include <a>\n1", "#include <a>\n2"]) == "#include <a>\n#include <a>\n1\n2\n"
+
+
+def test_only_the_file_that_includes_itk_is_left_to_gcc():
+    assert [path.name for path in (paths.REPO / "ingest/registration").glob("*.cpp") if tidy.needs_gcc(path)] == ["search.cpp"]

@@ -35,6 +35,13 @@ def test_a_file_belongs_to_the_first_run_that_claims_it(tmp_path):
     assert not second.ours("e2e/test_a.py::three") and second.ours("e2e/test_b.py::one") and not first.ours("e2e/test_b.py::two")
 
 
+def test_a_claimed_file_is_never_divided(tmp_path):
+    first, second = workers.Claims(tmp_path / "claims"), workers.Claims(tmp_path / "claims")
+    tests = [f"e2e/test_canaries.py::test_{number}" for number in range(20)]
+    assert len({workers.unit_of(one) for one in tests}) > 1 and first.ours(tests[0])
+    assert not any(second.ours(one) for one in tests) and all(first.ours(one) for one in tests)
+
+
 def test_two_runs_of_pytest_run_each_test_once(tmp_path):
     (tmp_path / "conftest.py").write_text((REPO / "tests" / "conftest.py").read_text())
     (tmp_path / "test_b.py").write_text("import pytest\n@pytest.mark.parametrize('number', range(3))\ndef test_it(number): pass\n")

@@ -11,6 +11,7 @@ A page that throws, or breaks its content security policy, fails its test.
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import tempfile
 import urllib.request
@@ -20,11 +21,18 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from harness import REPO, wait_until
+from harness import REPO, StackFactory, one_at_a_time, wait_until
 from devtool import chromium, ports
 from person import PATIENCE_MS
 
 expect.set_options(timeout=PATIENCE_MS)
+#: Samples at which the pictures of tests have converged. Without this choice, which users have, too, a worker renders 16 to 24 of
+#: them. A large window takes two seconds of a core for each, which the page and other tests would then lack.
+MOST_SAMPLES = 8
+#: Makes this choice once per context. Pages such as about:blank have no storage, and some tests take it away.
+STOP = """try {
+    if (localStorage.getItem("diaphane.effort") === null) localStorage.setItem("diaphane.effort", '{"stop_samples":SAMPLES}');
+} catch {}"""
 #: Where screenshots go.
 PICTURES = os.environ.get("DIAPHANE_PICTURES")
 
@@ -70,7 +78,8 @@ def answers(url: str) -> bool:
 def visit(browser: Browser):
     contexts, faults = [], []
 
-    def open_page(phone: bool = False, dark: bool = False, wide: bool = False, small: bool = False, touch: bool = False, **more) -> Page:
+    def open_page(phone: bool = False, dark: bool = False, wide: bool = False, small: bool = False, touch: bool = False,
+                  samples: int | None = MOST_SAMPLES, **more) -> Page:
         # Not wider than a test needs: two cores render it.
         size = {"width": 1440, "height": 900} if wide else {"width": 960, "height": 640}
         if small:
@@ -81,6 +90,8 @@ def visit(browser: Browser):
                                       has_touch=phone or touch, device_scale_factor=2 if phone else 1, **more)
         contexts.append(context)
         context.set_default_timeout(PATIENCE_MS)    # also of pages that a test opens itself
+        if samples is not None:
+            context.add_init_script(STOP.replace("SAMPLES", str(samples)))
         page = context.new_page()
         if not PICTURES:
             page.screenshot = lambda **_: b""  # a normal run discards screenshots, and each takes up to a second of both cores
@@ -96,11 +107,17 @@ def visit(browser: Browser):
 
 
 @pytest.fixture(scope="session")
-def cranium(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("disc") / "Mustermann"
-    build = Path(os.environ.get("DIAPHANE_BUILD", REPO / "build" / "release"))
-    subprocess.run([build / "bin" / "diaphane-sample", "--write-dicom", folder], check=True, capture_output=True)
-    return folder
+def cranium(all_stacks: StackFactory) -> Path:
+    shared = all_stacks.shared()
+    disc, beside = shared / "disc", shared / "disc.new"
+    with one_at_a_time(shared):
+        if not disc.exists():
+            shutil.rmtree(beside, ignore_errors=True)
+            beside.mkdir()
+            build = Path(os.environ.get("DIAPHANE_BUILD", REPO / "build" / "release"))
+            subprocess.run([build / "bin" / "diaphane-sample", "--write-dicom", beside / "Mustermann"], check=True, capture_output=True)
+            beside.rename(disc)
+    return disc / "Mustermann"
 
 
 @pytest.fixture(scope="session")

@@ -12,7 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from touch import Fingers
 from harness import TestStack
-from picture import ALIKE, SIDE, difference, facts
+from picture import ALIKE, FINE_ERROR, SIDE, difference, facts
 from test_in_picture import middle, open_scan, open_viewer
 from test_settings import Hands
 from input_methods import WAYS, Mouse
@@ -58,10 +58,10 @@ class Eye:
 
 def looked(hands: Hands, deed: Callable[[], None]) -> tuple[Eye, Eye, bytes, bytes]:
     """Returns eye and picture before and after."""
-    before, picture = Eye(hands), hands.picture()
+    before, picture = Eye(hands), hands.picture(FINE_ERROR)
     hands.act(deed)
     hands.settle()
-    return before, Eye(hands), picture, hands.picture()
+    return before, Eye(hands), picture, hands.picture(FINE_ERROR)
 
 
 def is_turn(hands: Hands, deed: Callable[[], None]) -> None:

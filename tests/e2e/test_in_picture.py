@@ -15,7 +15,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import ALIKE, SIDE, difference, facts, pixels, placed, wait_for_samples
+from picture import ALIKE, FINE_ERROR, SIDE, difference, facts, pixels, placed, wait_for_samples
 from test_pages import check_page
 from test_settings import GROUND, Hands, halves, look_from_the_front
 
@@ -193,11 +193,11 @@ def test_the_chosen_point_is_in_focus(stack: TestStack, visit, cranium: Path, pi
     hands.act(lambda: pick(*at))
     expect(picker).to_have_count(0)
     distance = float(lens.get_by_label("Focus distance (value)").input_value())
-    near = hands.picture()
+    near = hands.picture(FINE_ERROR)
     page.screenshot(path=pictures / "picture-focus.png")
     # At another depth, it is blurred.
     hands.type(lens, "Focus distance", str(round(distance * 1.6)))
-    blurred = hands.picture()
+    blurred = hands.picture(FINE_ERROR)
     x, y, side = round(at[0] * SIDE) - 8, round(at[1] * SIDE) - 8, 16
     assert sharpness(near, x, y, side) > 1.2 * sharpness(blurred, x, y, side), (sharpness(near, x, y, side), sharpness(blurred, x, y, side))
     # With the keyboard: moves the mark up and back, and accepts it with Enter. The distance is as before.

@@ -91,6 +91,8 @@ def test_slices_begin_right_below_their_bar_and_no_choice_is_clipped(locale: str
         page.screenshot(path=pictures / f"layout-slices-{locale}-{width}.png")
         bar, pane = (page.locator(name).first.bounding_box() for name in (".slice-bar", ".slice-pane"))
         assert 0 < pane["y"] - bar["y"] - bar["height"] <= 16, (width, bar, pane)
+        menu = page.locator(".menu").bounding_box()
+        assert menu is None or menu["y"] >= bar["y"] + bar["height"], (width, bar, menu)
         if width >= 1280:
             assert bar["height"] < 60, "the choices take more than one line"
     page.set_viewport_size({"width": 1280, "height": 720})
@@ -227,7 +229,7 @@ def test_a_guest_on_a_phone_sees_all_of_a_slice(visit, opened, pictures: Path):
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("button", name="Create link").click()
     link = dialog.locator("input[readonly]").input_value()
-    dialog.get_by_role("checkbox", name="Guests can also see the slices").check()
+    dialog.get_by_role("checkbox", name="Guests see the slices that are presented").check()
     phone = visit(phone=True)
     phone.goto(link)
     phone.get_by_role("button", name="Join", exact=True).tap()
@@ -264,7 +266,7 @@ def test_nothing_of_a_scan_stays_with_a_guest_after_the_end(visit, opened, pictu
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("button", name="Create link").click()
     link = dialog.locator("input[readonly]").input_value()
-    dialog.get_by_role("checkbox", name="Guests can also see the slices").check()
+    dialog.get_by_role("checkbox", name="Guests see the slices that are presented").check()
     guest = visit()
     guest.goto(link)
     guest.get_by_role("button", name="Join", exact=True).click()

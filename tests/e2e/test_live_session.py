@@ -67,7 +67,7 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
 
     has_none()
     owner.get_by_role("button", name="View together").click()
-    switch = owner.get_by_role("checkbox", name="Guests can also see the slices")
+    switch = owner.get_by_role("checkbox", name="Guests see the slices that are presented")
     expect(switch).not_to_be_checked()
     switch.check()
     expect(switch).to_be_checked()
@@ -113,7 +113,7 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     owner.keyboard.press("v")
     expect(axial).to_have_attribute("data-came", "true")
     owner.get_by_role("button", name="View together").click()
-    owner.get_by_role("checkbox", name="Guests can also see the slices").uncheck()
+    owner.get_by_role("checkbox", name="Guests see the slices that are presented").uncheck()
     has_none()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     owner.keyboard.press("v")
@@ -157,7 +157,7 @@ def the_picture_fits_a_phone_that_presents(stack: TestStack, owner: Page, phone:
 
 
 def test_a_follower_sees_the_view_of_the_presenter_and_takes_over(stack: TestStack, visit, cranium: Path, pictures: Path):
-    anna = Person.arrives(stack, visit(), "anna")
+    anna = Person.arrives(stack, visit(samples=64), "anna")    # more samples must come after a picture has settled
     anna.has_scan(cranium, "Head")
     anna.open_scan("Head")
     owner = anna.page
@@ -336,7 +336,7 @@ def test_everyone_sees_the_slices_of_the_presenter_and_where_the_others_point(st
     phone.get_by_label("Your name (visible to others in this session)").fill("Bob")
     phone.get_by_role("button", name="Join", exact=True).click()
     wait_for_samples(stack, phone, 1)
-    owner.get_by_role("checkbox", name="Guests can also see the slices").check()
+    owner.get_by_role("checkbox", name="Guests see the slices that are presented").check()
     expect(owner.get_by_role("checkbox", name="Guests can point")).to_be_checked()
     owner.screenshot(path=pictures / "live-share-pointers.png")
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
@@ -402,13 +402,13 @@ def test_a_link_can_let_its_guests_look_through_all_slices(stack: TestStack, vis
     owner = anna.page
     owner.get_by_role("button", name="View together").click()
     dialog = owner.get_by_role("dialog")
-    wide = dialog.get_by_role("checkbox", name="Guests with this link can look through all slices")
+    wide = dialog.get_by_role("checkbox", name="Guests with this link can look through all slices themselves")
     expect(wide).not_to_be_checked()
     wide.check()
     owner.screenshot(path=pictures / "live-share-all-slices.png")
     dialog.get_by_role("button", name="Create link").click()
-    expect(dialog.get_by_text("Guests with this link can look through all slices, except what you have cut away.")).to_be_visible()
-    expect(dialog.get_by_role("checkbox", name="Guests can also see the slices")).to_have_count(0)
+    expect(dialog.get_by_text("Guests with this link can look through all slices themselves, except what you have cut away.")).to_be_visible()
+    expect(dialog.get_by_role("checkbox", name="Guests see the slices that are presented")).to_have_count(0)
     guest = visit()
     guest.goto(dialog.get_by_label("Link to share").input_value())
     guest.get_by_role("button", name="Join", exact=True).click()
@@ -423,7 +423,7 @@ def test_a_link_can_let_its_guests_look_through_all_slices(stack: TestStack, vis
     # The owner's page still knows the link after a reload, and a new one begins with the picture alone.
     owner.reload()
     owner.get_by_role("button", name="View together").click()
-    expect(dialog.get_by_text("Guests with this link can look through all slices, except what you have cut away.")).to_be_visible()
+    expect(dialog.get_by_text("Guests with this link can look through all slices themselves, except what you have cut away.")).to_be_visible()
     dialog.get_by_role("button", name="Disable link").click()
     expect(guest.get_by_role("heading", name="Your visit has ended")).to_be_visible()
     expect(wide).not_to_be_checked()

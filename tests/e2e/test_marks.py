@@ -72,6 +72,7 @@ def test_marks_are_made_changed_undone_and_saved(stack: TestStack, visit, craniu
     expect(page.locator(MARKS + "[data-kind=circle]")).to_have_attribute("data-colour", "3")
     # By keys: the cross starts in the middle.
     window(page).get_by_role("button", name="Text", exact=True).click()
+    expect(page.locator(".picker")).to_be_focused()
     page.keyboard.press("Shift+ArrowUp")
     page.keyboard.press("Enter")
     expect(page.locator(MARKS)).to_have_count(3)

@@ -123,6 +123,7 @@ def test_distances_and_angles_are_measured_in_the_picture_by_mouse_and_keys(stac
     expect(ruler).to_have_text(re.compile(r"^[1-9]\d*\.\d mm$"))
     # By keys: three points from the middle of the picture.
     window(page).get_by_role("button", name="Angle", exact=True).click()
+    expect(page.locator(".picker")).to_be_focused()
     for point, move in ((2, "Shift+ArrowUp"), (3, "Shift+ArrowRight")):
         page.keyboard.press("Enter")
         expect(page.locator(".mark-message")).to_have_text(f"Now press point {point} of 3.")

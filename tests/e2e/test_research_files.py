@@ -13,6 +13,7 @@ from playwright.sync_api import expect
 
 from harness import TestStack
 from person import Person
+from devtool.ingest_cases.phantom import Series, dataset, stack
 
 #: Voxels towards the patient's left, back and head, and their distances in mm.
 SIZE = (48, 40, 32)
@@ -125,3 +126,59 @@ def test_a_header_without_its_voxels_is_refused_with_a_message(person: Person, t
     expect(person.page.get_by_text("The image data is in a second file. Choose both files together.")).to_be_visible()
     choose(person, [voxels, header])
     expect(person.page.get_by_role("heading", name="1 image series can be shown")).to_be_visible()
+
+
+PHASES = 6
+
+
+def moments() -> np.ndarray:
+    """The block in six moments, 40 ms apart, which becomes denser."""
+    return np.stack([np.where(phantom() == 60, 60 + 10 * phase, phantom()) for phase in range(PHASES)]).astype(np.int16)
+
+
+def nrrd_of_moments() -> bytes:
+    """The moments of a voxel lie beside each other, as 3D Slicer writes them."""
+    header = (f"NRRD0005\n# {CANARY}\ntype: int16\ndimension: 4\nspace: left-posterior-superior\nkinds: list domain domain domain\n"
+              f"sizes: {PHASES} {' '.join(map(str, SIZE))}\nspacings: 40 nan nan nan\nunits: \"ms\" \"\" \"\" \"\"\n"
+              f"space directions: none ({STEP[0]},0,0) (0,{STEP[1]},0) (0,0,{STEP[2]})\nencoding: raw\nendian: big\n\n")
+    return header.encode() + moments().astype(">i2").tobytes(order="F")
+
+
+def dicom_of_moments(folder: Path) -> list[Path]:
+    """Returns the slices of the moments, told apart by their trigger times."""
+    places = stack([STEP[2] * z for z in range(SIZE[2])], rows=SIZE[1], columns=SIZE[0])
+    series, files = Series(), []
+    for phase, values in enumerate(moments()):
+        for z, place_of_slice in enumerate(places):
+            made = dataset(series, place_of_slice)
+            made.BitsStored = made.BitsAllocated = 16
+            made.HighBit, made.PixelRepresentation, made.RescaleIntercept, made.RescaleSlope = 15, 1, 0, 1
+            made.PixelData, made.TriggerTime = values[:, :, z].tobytes(order="F"), 40 * phase
+            files.append(folder / f"{phase}-{z}.dcm")
+            made.save_as(files[-1], enforce_file_format=True)
+    return files
+
+
+@pytest.mark.parametrize("source", ["nrrd", "dicom"])
+def test_only_the_chosen_phases_are_uploaded(source, person: Person, tmp_path: Path, pictures: Path | None):
+    page = person.page
+    if source == "nrrd":
+        (tmp_path / "heart.nrrd").write_bytes(nrrd_of_moments())
+    choose(person, [tmp_path / "heart.nrrd"] if source == "nrrd" else dicom_of_moments(tmp_path))
+    expect(page.get_by_text("6 phases over 200 ms")).to_be_visible()
+    page.get_by_label("Phases to upload").select_option("Only one")
+    page.get_by_label("Phase", exact=True).select_option("5 of 6")
+    if pictures:
+        page.screenshot(path=pictures / f"phases-to-upload-{source}.png", full_page=True)
+    page.get_by_label("Phases to upload").select_option("Every fourth (2)")
+    page.get_by_label("Your name for this scan").fill("heart")
+    with page.expect_request(lambda request: request.method == "POST" and request.url.endswith("/v1/data-sets")) as announced:
+        page.get_by_role("button", name="Upload", exact=True).click()
+    expect(person.card("heart")).to_have_attribute("data-state", "ready")
+    folder = person.stack.data_dir / "volumes" / person.card("heart").get_attribute("data-id")
+    header = json.loads((folder / "volume.json").read_text())
+    assert [(phase["kind"], round(phase["value"], 3)) for phase in header["phases"]] == [("TIME", 0), ("TIME", 160)]
+    voxels = np.frombuffer((folder / "voxels.i16").read_bytes(), "<i2").reshape((*SIZE, 2), order="F")
+    assert np.array_equal(voxels, np.moveaxis(moments()[::4], 0, -1))
+    # Each of the 32 DICOM files of a moment has a header of less than 2 KB, and so has each file of a bundle.
+    assert voxels.nbytes < announced.value.post_data_json["bytes"] < voxels.nbytes + 2 * SIZE[2] * 2048

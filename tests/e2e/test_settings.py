@@ -12,7 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SIDE, kept_view, pixels, spread, wait_for_picture, wait_for_samples
+from picture import COMPARED_ERROR, FINE_ERROR, SIDE, kept_view, pixels, spread, wait_for_picture, wait_for_samples
 
 
 class Hands:
@@ -62,9 +62,9 @@ class Hands:
     def type(self, frame: Locator, label: str, text: str) -> None:
         self.act(lambda: self.write(frame, label, text))
 
-    def picture(self) -> bytes:
+    def picture(self, error: float = COMPARED_ERROR) -> bytes:
         """Returns the picture of the current scene."""
-        wait_for_picture(self.stack, self.page, input_seq=self.kept()[1])
+        wait_for_picture(self.stack, self.page, input_seq=self.kept()[1], error=error)
         return pixels(self.page)
 
 
@@ -148,7 +148,7 @@ def test_every_settings_panel_changes_the_picture_and_can_be_undone(stack: TestS
     # A slice alone: only grey.
     hands.act(cuts.get_by_label("Show the coronal slice").check)
     hands.act(cuts.get_by_label("Show only the slices").check)
-    alone = hands.picture()
+    alone = hands.picture(FINE_ERROR)
     page.screenshot(path=pictures / "slice-alone.png")
     assert spread(alone) > 5
     assert all(max(alone[i:i + 3]) - min(alone[i:i + 3]) < 24 for i in range(0, len(alone), 3))

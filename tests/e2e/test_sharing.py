@@ -113,6 +113,8 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     guest.screenshot(path=pictures / "shared-link.png")
     guest.get_by_role("button", name="View the scan").click()
     expect(guest.locator("canvas[data-samples]")).to_be_visible()
+    expect(guest.locator(".preset-picture img")).to_have_count(guest.locator(".preset").count(), timeout=60_000)
+    guest.screenshot(path=pictures / "shared-link-looks.png")
     expect(guest.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
 
     # Another user finds it and saves a look.
@@ -169,7 +171,7 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     again.goto(f"{stack.url}/view/{scan}")
     expect(again.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible()
     again.close()
-    late = visit(small=True)
+    late = visit(small=True, samples=None)    # the choice of a number would be an input
     late.goto(link)
     late.get_by_role("button", name="View the scan").click()
     expect(late.locator("canvas[data-input-seq='0']")).to_be_visible()
@@ -263,6 +265,9 @@ def test_the_owner_chooses_who_may_see_slices_and_save_videos(stack: TestStack, 
     slices, downloads = (rights.get_by_role("checkbox", name=name) for name in ("Can also see the slices", "Can also save videos and large pictures"))
     expect(slices).not_to_be_checked()
     expect(downloads).not_to_be_checked()
+    bert.page.goto(f"{stack.url}/scans")
+    above, below = (bert.page.get_by_role("heading", name=name).bounding_box() for name in ("Shared with me", "No scans yet"))
+    assert above["y"] < below["y"], "an invited person finds the scan of the invitation first"
     bert.page.goto(f"{stack.url}/view/{scan}")
     may(bert.page, slices=False, downloads=False)
     downloads.click()

@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SHRINK, SIDE, difference, drag, facts, last_input, listen, pixels, spread, wait_for_picture, wait_for_samples, wait_said
+from picture import FINE_ERROR, SHRINK, SIDE, difference, drag, facts, last_input, listen, pixels, spread, wait_for_picture, wait_for_samples, wait_said
 
 PNG = b"\x89PNG\r\n\x1a\n"
 #: Mean difference per channel, of 255, between two renderings of one view with 2% and 5% of noise, averaged over SIDE x SIDE
@@ -68,7 +68,7 @@ def test_a_picture_is_rendered_for_saving_during_a_live_session(stack: TestStack
     person = Person.arrives(stack, page, "tanja")
     scan = person.has_scan(cranium, "Erika Mustermann")
     page.goto(f"{stack.url}/view/{scan}")
-    wait_for_picture(stack, page)
+    wait_for_picture(stack, page, error=FINE_ERROR)
     drag(page, 60, 0)
     wait_for_samples(stack, page, 1, input_seq=last_input(page))
 
@@ -103,7 +103,7 @@ def test_a_picture_is_rendered_for_saving_during_a_live_session(stack: TestStack
     assert b"Mustermann" not in png and scan.encode() not in png
     wait_said(stack, page, "The picture has been saved.")
     hide_message(page)
-    wait_for_picture(stack, page, input_seq=last_input(page))
+    wait_for_picture(stack, page, input_seq=last_input(page), error=FINE_ERROR)
     width, height, taken = shrunk(page, png)
     live = pixels(page)
     assert (width, height) == (360, 240)
@@ -128,18 +128,18 @@ def test_a_link_shows_the_same_view_only_to_users_with_access(stack: TestStack, 
     person = Person.arrives(stack, page, "linus")
     scan = person.has_scan(cranium, "Erika Mustermann")
     page.goto(f"{stack.url}/view/{scan}")
-    wait_for_picture(stack, page)
+    wait_for_picture(stack, page, error=FINE_ERROR)
     usual = pixels(page)
     page.get_by_role("button", name="Bone", exact=True).click()
     drag(page, 90, 20)
-    wait_for_picture(stack, page, input_seq=last_input(page))
+    wait_for_picture(stack, page, input_seq=last_input(page), error=FINE_ERROR)
     page.keyboard.press("s")
     field = page.get_by_role("textbox", name="Link", exact=True)
     expect(field).to_have_value(re.compile(r"#view="))
     link = field.input_value()
     assert link.startswith(f"{stack.url}/view/{scan}#view=1.") and len(link) < 2048
     page.keyboard.press("Escape")
-    wait_for_picture(stack, page, input_seq=last_input(page))
+    wait_for_picture(stack, page, input_seq=last_input(page), error=FINE_ERROR)
     shown = pixels(page)
     assert difference(usual, shown) > 2 * ALIKE
 
@@ -151,7 +151,7 @@ def test_a_link_shows_the_same_view_only_to_users_with_access(stack: TestStack, 
 
     again = opened(link)
     stack.wait_until(lambda: again.wait_for_timeout(50) or again.evaluate("location.hash") == "", what="the link taken")
-    wait_for_picture(stack, again, input_seq=1)
+    wait_for_picture(stack, again, input_seq=1, error=FINE_ERROR)
     assert difference(pixels(again), shown) < ALIKE
     again.screenshot(path=pictures / "linked.png")
     again.close()
@@ -160,7 +160,7 @@ def test_a_link_shows_the_same_view_only_to_users_with_access(stack: TestStack, 
     for address, words in ((link[:-40], "damaged or incomplete"), (link.replace("#view=1.", "#view=2."), "newer version of Diaphane")):
         odd = opened(address)
         expect(odd.get_by_text(words)).to_be_visible()
-        wait_for_picture(stack, odd)
+        wait_for_picture(stack, odd, error=FINE_ERROR)
         assert difference(pixels(odd), usual) < ALIKE
         odd.screenshot(path=pictures / "link-refused.png")
         odd.close()

@@ -224,8 +224,8 @@ def test_standard_views_by_button_key_and_cube_frame_the_subject(stack: TestStac
 
 
 def test_comfort_changes_the_colours_and_stays_with_another_look(stack: TestStack, visit, cranium: Path, pictures: Path):
-    page = visit()
-    hands = open_viewer(stack, page, cranium, "gentle", 960, 640)
+    page = visit(small=True)
+    hands = open_viewer(stack, page, cranium, "gentle", 720, 440)
     page.get_by_role("button", name="Hide the tips").click()
     page.get_by_role("button", name="Muscle").click()
     look = hands.window("Materials")

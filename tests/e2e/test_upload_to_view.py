@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 from canaries import canaries_below, canaries_in
 from harness import TestStack, contents_below
 from person import Person
-from picture import difference, drag, facts, kept_view, last_input, listen, pixels, spread, wait_for_picture, wait_for_samples, wait_said
+from picture import FINE_ERROR, difference, drag, facts, kept_view, last_input, listen, pixels, spread, wait_for_picture, wait_for_samples, wait_said
 
 
 def test_a_user_uploads_views_and_reopens_a_scan(stack: TestStack, visit, cranium: Path, pictures: Path):
@@ -29,10 +29,10 @@ def test_a_user_uploads_views_and_reopens_a_scan(stack: TestStack, visit, craniu
 
     # The picture appears, is not empty, and its error falls.
     early = wait_for_samples(stack, page, 2)
-    rested = wait_for_picture(stack, page)
+    rested = wait_for_picture(stack, page, error=FINE_ERROR)
     first = pixels(page)
     assert spread(first) > 5
-    later = wait_for_samples(stack, page, 2 * rested.samples)
+    later = wait_for_picture(stack, page, error=0.9 * rested.error)
     # On a slow machine, the first picture is small. Growing to the canvas starts an epoch once.
     assert early.epoch <= rested.epoch <= early.epoch + 1
     assert later.epoch == rested.epoch
@@ -139,5 +139,5 @@ def test_a_lost_renderer_is_reported_and_the_picture_returns(stack_factory, visi
     again = wait_for_picture(stack, page, input_seq=turned.input_seq)
     assert again.input_seq >= turned.input_seq
     # The same view, apart from noise, and not the one that the session began with.
-    assert difference(before, pixels(page)) < 0.2 * difference(first, before)
+    stack.wait_until(lambda: difference(before, pixels(page)) < 0.2 * difference(first, before), what="the view before")
     expect(page.get_by_role("status").get_by_text("Reconnecting")).to_have_count(0)

@@ -12,9 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     MUST(!header.error().message.empty());
     return 0;
   }
-  const std::uint64_t phases = header->phases.empty() ? 1 : header->phases.size();
-  const std::uint64_t bytes = std::uint64_t{header->size[0]} * header->size[1] * header->size[2] *
-                              phases * header->voxel_bytes;
+  const std::uint64_t bytes = header->voxels_bytes();
   MUST(bytes > 0 && header->voxels_begin >= 348 && header->voxels_begin + bytes <= size);
   return 0;
 }

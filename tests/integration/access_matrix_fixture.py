@@ -42,6 +42,7 @@ class World:
         self.stack = stack
         self.people: dict[str, Person] = {}
         self.data_set = ""
+        self.second = ""
         self.saved = ""
         self.study = ""
         self.stored_hash = ""
@@ -89,6 +90,21 @@ class World:
             make_ready(self.stack, self.data_set)
             self.share(self.data_set)
         return self.data_set
+
+    def second_data_set_id(self) -> str:
+        """Another scan of the owner, shared with the same people."""
+        if not self.second:
+            self.data_set_id()
+            self.second = self.owner.data_set(10)["data_set"]["id"]
+            make_ready(self.stack, self.second)
+            self.share(self.second)
+        return self.second
+
+    def align(self) -> None:
+        """Aligns both scans, as ingestd does."""
+        self.stack.psql("""INSERT INTO alignments (fixed, moving, state, matrix, residual_mm, overlap)
+                           VALUES (%s, %s, 'ready', '{1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1}', 1, 1) ON CONFLICT DO NOTHING""",
+                        self.data_set_id(), self.second_data_set_id())
 
     def volume_hash(self) -> str:
         self.stored_hash = self.stored_hash or store(self.stack, self.data_set_id())
@@ -190,6 +206,17 @@ class World:
         answer = self.who_made.http.post(f"/v1/data-sets/{self.data_set_id()}/annotations", json=ANNOTATIONS)
         assert answer.status_code == 201, answer.text
         return answer.json()["id"]
+
+    def give_archive_access(self) -> None:
+        self.stack.psql("UPDATE users SET archive_access = true WHERE id = %s", self.owner.known_id)
+
+    def archive(self) -> str:
+        """Returns an archive that does not exist, because the stack is connected to none."""
+        self.give_archive_access()
+        return "radiology"
+
+    def fetch_id(self) -> str:
+        return str(uuid.uuid4())
 
     def make_researcher(self) -> None:
         self.stack.psql("UPDATE users SET is_researcher = true WHERE id = %s", self.owner.known_id)
@@ -309,6 +336,10 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "createApiToken": lambda world, who: {**API_TOKEN, **({"code": who.device.code()} if who.device else {})},
     "deleteAccount": lambda world, who: {"password": PASSWORD, **({"code": who.device.code()} if who.device else {})},
     "createDataSet": lambda world, who: {"bytes": 10},
+    "searchArchive": lambda world, who: {"patient_name": "Phantasia"},
+    "listArchiveSeries": lambda world, who: {"study": "1.2"},
+    "startFetch": lambda world, who: {"study": "1.2", "series": "1.2.3"},
+    "recordReceipt": lambda world, who: {"via": "stow", "study": "1.2"},
     "changeUser": lambda world, who: {"quota_bytes": 1000},
     "createSession": lambda world, who: {"data_set_id": ready_to_render(world)},
     "renameEnvironment": lambda world, who: {"name": "Park"},
@@ -322,6 +353,7 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "createDataSetLink": lambda world, who: {"hours": 1},
     "followLink": lambda world, who: {"token": world.link()["token"]},
     "followLinkAnnotations": lambda world, who: {"token": world.link()["token"]},
+    "followLinkThumbnail": lambda world, who: {"token": world.link()["token"]},
     "createVisit": lambda world, who: {"token": world.link()["token"], "key": uuid.uuid4().hex * 2},
     "setPublicName": lambda world, who: {"public_name": "A patient"},
     "createPreset": lambda world, who: {"name": "b", "scene": SCENE},
@@ -384,6 +416,7 @@ before: dict[str, Callable[[World, Person], None]] = {
     "getScanExport": lambda world, who: world.scan_export_of(who, "queued"),
     "deleteScanExport": lambda world, who: world.scan_export_of(who, "ready"),
     "downloadScanExport": lambda world, who: world.scan_export_of(who, "ready"),
+    "deleteAlignment": lambda world, who: world.align(),
     "createTicket": lambda world, who: able_to_render(world.stack),
     "createVisit": lambda world, who: able_to_render(world.stack),
     "voteForPreset": lambda world, who: world.publish(),
@@ -396,6 +429,8 @@ before: dict[str, Callable[[World, Person], None]] = {
     "restorePreset": lambda world, who: world.publish(),
     "listStudies": lambda world, who: world.make_researcher(),
     "createStudy": lambda world, who: world.make_researcher(),
+    "listArchives": lambda world, who: world.give_archive_access(),
+    "recordReceipt": lambda world, who: world.give_archive_access(),
 }
 
 

@@ -69,6 +69,7 @@ def order(stack, data_set: str, content: str, keep: dict = KEEP) -> None:
     """Creates an order as `api` does."""
     stack.psql("UPDATE data_sets SET state = 'queued' WHERE id = %s", data_set)
     stack.psql("INSERT INTO ingest_jobs (data_set_id, cut, cut_of) VALUES (%s, %s, %s)", data_set, json.dumps(keep), content)
+    stack.psql("NOTIFY ingest_jobs")
 
 
 def holders_of_mark(*roots: Path) -> list[str]:

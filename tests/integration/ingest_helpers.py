@@ -43,6 +43,7 @@ def enqueue(stack, data: bytes) -> str:
     stack.psql("INSERT INTO uploads (id, data_set_id, length, received, expires_at) VALUES (%s, %s, %s, %s,"
                " now() + interval '1 hour')", data_set, data_set, len(data), len(data))
     stack.psql("INSERT INTO ingest_jobs (data_set_id, upload_id) VALUES (%s, %s)", data_set, data_set)
+    stack.psql("NOTIFY ingest_jobs")
     return data_set
 
 

@@ -14,6 +14,7 @@ from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_atte
                         problem, put_thumbnail, remove_worker, signed_up)
 from cut_helpers import KEEP, store
 from access_matrix_fixture import put_export_file, put_picture
+from pacs_helpers import archive_ways
 from panoramas import hdr
 from seeds import PRIVACY_NOTICE
 from study_helpers import study_result_ways, study_ways
@@ -50,8 +51,8 @@ FOR_ADMINISTRATORS = {"listUsers", "getUser", "changeUser", "listAudit", "getFle
 
 @pytest.fixture(scope="module", autouse=True)
 def role(api, one):  # noqa: F811
-    """Makes the user a researcher, for the operations of studies."""
-    api.psql("UPDATE users SET is_researcher = true WHERE id = %s", one.id)
+    """Makes the user a researcher with access to the archives, for the operations of both."""
+    api.psql("UPDATE users SET is_researcher = true, archive_access = true WHERE id = %s", one.id)
 
 
 def caller(one, boss, operation):
@@ -140,6 +141,8 @@ def valid(part: dict):
         return part.get("example", {})
     if part["type"] == "boolean":
         return True
+    if part.get("pattern") == "^[0-9.]+$":
+        return "1.2"
     return "0" * 64 if "64" in part.get("pattern", "") else "somebody@example.org"
 
 
@@ -236,6 +239,14 @@ def export_ways(one, data_set: str) -> None:
     one.http.delete(path)
 
 
+def alignment_ways(one, data_set: str) -> None:
+    second = one.data_set(10)["data_set"]["id"]
+    make_ready(one.stack, second)
+    path = f"/v1/data-sets/{data_set}/alignments/{second}"
+    for method in (one.http.get, one.http.put, one.http.put, one.http.delete):
+        method(path)
+
+
 def preset_ways(stack, one, data_set: str) -> None:
     presets = f"/v1/data-sets/{data_set}/presets"
     saved = one.http.post(presets, json={"name": "a", "scene": CONTRACT.spec["components"]["schemas"]["Scene"]["example"]})
@@ -297,6 +308,7 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss, a
     preset_ways(api, one, made)
     annotation_ways(one, made)
     export_ways(one, made)
+    alignment_ways(one, made)
     one.http.get(f"/v1/data-sets/{made}/anonymise")
     to_cut = one.data_set(100)["data_set"]["id"]
     make_ready(api, to_cut)
@@ -307,6 +319,8 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss, a
     one.http.get(f"/v1/data-sets/{made}/links")
     for path in ("/v1/follow", "/v1/follow/annotations"):
         client(api).post(path, json={"token": link["token"]})
+    put_thumbnail(api, made)    # The first one is older than the anonymisation.
+    client(api).post("/v1/follow/thumbnails/bone", json={"token": link["token"]})
     client(api).post("/v1/visits", json={"token": link["token"], "key": "0" * 64})
     one.http.delete(f"/v1/data-sets/{made}/links/{link['id']}")
     one.http.patch("/v1/me/public-name", json={"public_name": "One"})
@@ -343,6 +357,7 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss, a
     account_ways(api)
     administrators_ways(boss)
     study_result_ways(all_stacks)
+    archive_ways(all_stacks)
     person(api).http.post("/v1/sign-out")
     succeeded = {name for name, status in CONTRACT.seen if status < 300}
     assert succeeded == {spec["operationId"] for _, _, spec in OPERATIONS}

@@ -34,7 +34,7 @@ def test_a_session_is_created_listed_and_ended(api, one, ready, worker):  # noqa
     again = one.http.post(f"/v1/sessions/{session}/tickets")
     assert again.status_code == 201 and again.json()["session_id"] == session
     assert again.json()["stream_url"] != made.json()["stream_url"]
-    assert one.http.get("/v1/sessions").json()["items"] == [{"session_id": session, "data_set_id": ready}]
+    assert one.http.get("/v1/sessions").json()["items"] == [{"session_id": session, "data_set_id": ready, "over": None}]
     assert one.http.delete(f"/v1/sessions/{session}").status_code == 204
     problem(one.http.get(f"/v1/sessions/{session}"), 404, "not-found")
     problem(one.http.post(f"/v1/sessions/{session}/tickets"), 404, "not-found")

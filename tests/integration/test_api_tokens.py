@@ -11,7 +11,7 @@ from access_matrix import OPERATIONS
 from api_client import (PASSWORD, Person, add_worker, api, client, forget_attempts, make_ready, one, person,  # noqa: F401
                         problem, remove_worker)
 
-SCOPES = ("read", "write", "share")
+SCOPES = ("read", "write", "share", "archive")
 
 
 def create(who: Person, *scopes: str, **changes: object) -> dict:
@@ -53,6 +53,7 @@ def test_a_token_is_shown_once_listed_and_revoked(api):  # noqa: F811
 def test_the_server_permits_exactly_what_the_contract_says(api):  # noqa: F811
     """Every operation with a token of every scope. What the contract does not open to a token answers 403, whatever the scope."""
     owner = person(api)
+    api.psql("UPDATE users SET archive_access = true WHERE email = %s", owner.email)
     programs = {scope: program(api, create(owner, scope)["token"]) for scope in SCOPES}
     wrong = []
     for name, (path, method, operation) in OPERATIONS.items():

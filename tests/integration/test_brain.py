@@ -34,15 +34,20 @@ def head(with_brain: bool) -> bytes:
     if with_brain:
         values[within(75, 91, 77)] -= 740
         values[within(*ELLIPSOID)] += 480
+    return scan_file(values, SPACING, b"MR")
+
+
+def scan_file(values: numpy.ndarray, spacing: float, modality: bytes) -> bytes:
+    """Returns 16-bit values as a NIfTI file with cubic voxels, as the page uploads it."""
     header = bytearray(352)
     struct.pack_into("<i", header, 0, 348)
-    struct.pack_into("<8h", header, 40, 3, SIDE, SIDE, SIDE, 1, 1, 1, 1)
+    struct.pack_into("<8h", header, 40, 3, *values.shape, 1, 1, 1, 1)
     struct.pack_into("<hh", header, 70, 4, 16)
-    struct.pack_into("<4f", header, 76, 1, SPACING, SPACING, SPACING)
+    struct.pack_into("<4f", header, 76, 1, spacing, spacing, spacing)
     struct.pack_into("<3f", header, 108, 352, 1, 0)
     struct.pack_into("<h", header, 254, 1)
-    struct.pack_into("<12f", header, 280, SPACING, 0, 0, 0, 0, SPACING, 0, 0, 0, 0, SPACING, 0)
-    header[328:330] = b"MR"
+    struct.pack_into("<12f", header, 280, spacing, 0, 0, 0, 0, spacing, 0, 0, 0, 0, spacing, 0)
+    header[328:330] = modality
     header[344:347] = b"n+1"
     return bytes(header) + values.tobytes(order="F")
 

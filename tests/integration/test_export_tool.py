@@ -177,3 +177,10 @@ def test_mistakes_are_named_and_change_no_file(tmp_path, sphere):
     assert target.read_text() == "mine"
     export(scan, target, "--above", 400, "--force")
     assert loaded(target).is_watertight
+    target.unlink()
+    unfinished = target.with_name(target.name + ".part")
+    unfinished.write_text("mine")
+    assert f"{unfinished}: already exists" in export(scan, target, "--above", 400, code=73)
+    assert unfinished.read_text() == "mine" and not target.exists()
+    export(scan, target, "--above", 400, "--force")
+    assert loaded(target).is_watertight and not unfinished.exists()

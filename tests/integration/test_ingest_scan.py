@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import subprocess
 from pathlib import Path
 
+import nibabel
+import numpy as np
 import pytest
 from ingest_helpers import CANARY
 
@@ -69,6 +72,7 @@ def test_the_reason_for_an_unsuitable_series_is_reported(disc, tmp_path):
 def test_invalid_folders_and_arguments_have_exit_codes(tmp_path, disc):
     assert scan(str(tmp_path / "nowhere")).returncode == 66
     assert scan(str(disc / "README.TXT")).returncode == 66
+    assert scan(str(tmp_path / "nowhere.nii")).returncode == 66
     empty = scan(str(tmp_path))
     assert empty.returncode == 65 and "It contains no files." in empty.stderr
     (tmp_path / "text").write_text("no DICOM")
@@ -88,3 +92,104 @@ def test_the_sample_tool_reports_errors(tmp_path):
     assert missing.returncode == 66 and "invesalius-examples" in missing.stderr
     assert sample("--mapped-mha", "/proc/none/x.mha").returncode == 73
     assert sample("--upload", "http://127.0.0.1:9").returncode == 78
+
+
+#: Size, phases and distances in mm of a research file.
+SHAPE, STEP = (20, 18, 16, 5), (1.0, 1.5, 2.0)
+
+
+def moments() -> np.ndarray:
+    """Distinct voxels (left, back, head, phase)."""
+    return np.random.default_rng(7).permutation(np.prod(SHAPE)).astype(np.int16).reshape(SHAPE)
+
+
+def nifti(version: type, order: str, file: Path) -> None:
+    """As nibabel writes it, whose axes run to the right and the front."""
+    header = version.header_class(endianness=order)
+    header.set_data_dtype(np.dtype(np.int16).newbyteorder(order))
+    image = version(moments(), np.diag((-STEP[0], -STEP[1], STEP[2], 1)), header)
+    image.header.set_xyzt_units("mm", "msec")
+    image.header.set_zooms((*STEP, 40))
+    image.to_filename(file)
+
+
+def nrrd(file: Path) -> None:
+    """The phases lie beside each other, as 3D Slicer writes them, and the axes of space run to the right and the front."""
+    stored = moments()[::-1, ::-1].transpose(3, 0, 1, 2)
+    file.write_bytes(
+        b"NRRD0005\ntype: int16\ndimension: 4\nspace: right-anterior-superior\nsizes: 5 20 18 16\n"
+        b"space directions: none (1,0,0) (0,1.5,0) (0,0,2)\nkinds: list domain domain domain\n"
+        b"spacings: 40 nan nan nan\nunits: \"ms\" \"\" \"\" \"\"\nendian: big\nencoding: gzip\n\n"
+        + gzip.compress(stored.astype(">i2").tobytes(order="F")))
+
+
+def meta_image(file: Path) -> None:
+    """As SimpleITK writes an image of four dimensions. The format has no unit of time."""
+    file.write_bytes(
+        b"ObjectType = Image\nNDims = 4\nBinaryData = True\nBinaryDataByteOrderMSB = True\nCompressedData = False\n"
+        b"TransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\nOffset = 0 0 0 0\nCenterOfRotation = 0 0 0 0\n"
+        b"ElementSpacing = 1 1.5 2 40\nDimSize = 20 18 16 5\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+        + moments().astype(">i2").tobytes(order="F"))
+
+
+RESEARCH_FILES = {
+    "first.nii": lambda file: nifti(nibabel.Nifti1Image, "<", file),
+    "second.nii.gz": lambda file: nifti(nibabel.Nifti2Image, "<", file),
+    "big.nii": lambda file: nifti(nibabel.Nifti2Image, ">", file),
+    "slicer.nrrd": nrrd,
+    "itk.mha": meta_image,
+}
+
+
+@pytest.mark.parametrize("name", RESEARCH_FILES)
+def test_every_phase_of_a_research_file_is_read(name, tmp_path):
+    file = tmp_path / name
+    RESEARCH_FILES[name](file)
+    done = scan(str(file), "--json", "--build", str(tmp_path / "built"))
+    assert (done.returncode, done.stderr) == (0, "")
+    series, = json.loads(done.stdout)["series"]
+    assert series["suitable"] and series["size"] == [20, 18, 16] and series["plane"] == "axial"
+    assert series["spacing_mm"] == pytest.approx(STEP)
+    timed = name != "itk.mha"
+    assert series["phases"]["by"] == ("time" if timed else "index")
+    assert series["phases"]["values"] == pytest.approx([i * (40 if timed else 1) for i in range(SHAPE[3])])
+    header = json.loads((tmp_path / "built" / "volume.json").read_text())
+    direction = np.array(header.get("direction", np.eye(3).ravel())).reshape(3, 3)
+    ahead = -1 if name == "slicer.nrrd" else 1
+    assert np.allclose(direction, np.diag((ahead, ahead, 1)))
+    stored = np.fromfile(tmp_path / "built" / "voxels.i16", "<i2").reshape(SHAPE, order="F")
+    assert np.array_equal(stored[::ahead, ::ahead], moments())
+    assert "5 phases, by" in scan(str(file)).stdout
+
+
+@pytest.mark.parametrize("options, kept", [(("--every", "2"), [0, 2, 4]), (("--phases", "0,3,4"), [0, 3, 4]), (("--phases", "1"), [1])])
+def test_only_the_chosen_phases_are_built(options, kept, tmp_path):
+    nrrd(tmp_path / "heart.nrrd")
+    assert scan(str(tmp_path / "heart.nrrd"), "--build", str(tmp_path / "built"), *options).returncode == 0
+    header = json.loads((tmp_path / "built" / "volume.json").read_text())
+    assert [phase["value"] for phase in header.get("phases", [])] == pytest.approx([40 * i for i in kept] if len(kept) > 1 else [])
+    stored = np.fromfile(tmp_path / "built" / "voxels.i16", "<i2").reshape((*SHAPE[:3], len(kept)), order="F")
+    assert np.array_equal(stored[::-1, ::-1], moments()[..., kept])
+
+
+def test_bad_choices_of_phases_are_refused(tmp_path):
+    nrrd(tmp_path / "heart.nrrd")
+    heart, built = str(tmp_path / "heart.nrrd"), str(tmp_path / "built")
+    beyond = scan(heart, "--build", built, "--phases", "0,5")
+    assert beyond.returncode == 65 and "there is no phase 5; the last one is 4" in beyond.stderr
+    for options in (("--phases", "a"), ("--every", "0"), ("--phases", "1", "--every", "2"), ("--phases",)):
+        assert scan(heart, "--build", built, *options).returncode == 64
+    assert scan(heart, "--every", "2").returncode == 64, "there is nothing to build"
+    assert not (tmp_path / "built").exists()
+
+
+@pytest.mark.parametrize("name", RESEARCH_FILES)
+def test_a_damaged_research_file_is_refused(name, tmp_path):
+    file = tmp_path / name
+    RESEARCH_FILES[name](file)
+    whole = file.read_bytes()
+    for damaged in (whole[:-40], whole[:200], b"", b"x" * 600):
+        file.write_bytes(damaged)
+        done = scan(str(file), "--build", str(tmp_path / "built"))
+        assert done.returncode == 65 and done.stdout == "" and done.stderr.startswith("diaphane-scan: ")
+        assert not (tmp_path / "built").exists()

@@ -68,6 +68,21 @@ def test_every_phase_of_a_nifti_file_is_stored(running, owner, scan, heart):
     assert (shown["phases"], shown["size"], shown["bytes"]) == (PHASES, [SIDE] * 3, heart.nbytes)
 
 
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_a_nifti_file_of_the_second_version_is_built_like_the_first(running, heart, order):
+    header = nibabel.Nifti2Header(endianness=order)
+    header.set_data_dtype(np.dtype(np.int16).newbyteorder(order))
+    step = EXTENT / SIDE
+    image = nibabel.Nifti2Image(heart.transpose(3, 2, 1, 0), np.diag([-step, -step, step, 1]), header)
+    image.header.set_xyzt_units("mm", "sec")
+    image.header.set_zooms((step, step, step, 0.15))
+    data_set = enqueue(running, bundle([image.to_bytes()]))
+    assert wait_end(running, data_set) == ("ready", None, None)
+    header, voxels = stored(running, data_set)
+    assert np.array_equal(voxels, heart)
+    assert [phase["value"] for phase in header["phases"]] == pytest.approx([150 * i for i in range(PHASES)], rel=1e-6)
+
+
 def dicom_series(values: np.ndarray, kept=lambda phase, z: True, **attributes) -> list[bytes]:
     """Returns a series with these phases in no order. `attributes`: values by phase."""
     files = []

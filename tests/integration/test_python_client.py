@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import nbclient
@@ -120,6 +121,19 @@ def test_a_nifti_file_can_be_uploaded(server, tmp_path):
     assert made.data["volume"]["size"] == [phantom.SIDE, phantom.SIDE, phantom.SLICES]
     assert made.slice("axial", 20).values.max() == 1100
     made.delete()
+
+
+def test_chosen_phases_of_a_file_in_an_archive_can_be_uploaded(server, tmp_path):
+    values = np.arange(6 * 20 ** 3).reshape(6, 20, 20, 20) % 997
+    header = ("NRRD0004\ntype: uint16\ndimension: 4\nspace: left-posterior-superior\nsizes: 6 20 20 20\nencoding: raw\nendian: little\n"
+              "space directions: none (2,0,0) (0,2,0) (0,0,2)\nkinds: list domain domain domain\n\n")
+    with zipfile.ZipFile(tmp_path / "heart.zip", "w") as archive:
+        archive.writestr("heart.nrrd", header.encode() + values.astype("<u2").tobytes(order="F"))
+    heart = server.upload(tmp_path / "heart.zip", phases=[1, 3, 5]).wait()
+    assert heart.data["volume"]["phases"] == 3 and heart.data["volume"]["size"] == [20, 20, 20]
+    image = nibabel.load(heart.export(tmp_path / "heart.nii.gz"))
+    heart.delete()
+    assert np.array_equal(np.asarray(image.dataobj), np.moveaxis(values[1::2], 0, -1))
 
 
 def test_a_scan_can_be_exported(scan, tmp_path):

@@ -18,7 +18,8 @@ from test_labels import SPACING, add, nifti, owner, scan  # noqa: F401
 
 @pytest.fixture(scope="module")
 def running(all_stacks):
-    stack = all_stacks.open(only=("postgres", "redis", "api", "edge", "ingestd"))
+    # ingestd looks for work only when it is notified, so every test here also shows that api notifies it.
+    stack = all_stacks.open(only=("postgres", "redis", "api", "edge", "ingestd"), extra_env={"DIAPHANE_POLL_MS": "3600000"})
     yield stack
     all_stacks.shut(stack)
 
@@ -117,6 +118,12 @@ def test_invalid_orders_are_refused(running, owner, scan):  # noqa: F811
         problem(answer, 422, "invalid")
         assert field in {wrong["field"] for wrong in answer.json()["errors"]}, order
     problem(owner.http.get(route(scan)), 404, "not-found")
+
+
+def test_ingestd_is_notified_of_an_alignment(running, owner, scan):  # noqa: F811
+    second, _ = marked_scan(running, owner)
+    assert owner.http.put(f"/v1/data-sets/{scan}/alignments/{second}").status_code in (200, 201, 202)
+    running.wait_until(lambda: running.psql("SELECT 1 FROM alignments WHERE state IN ('ready', 'failed')"), what="the end of the alignment")
 
 
 def test_only_the_owner_gets_exports(running, owner, scan):  # noqa: F811

@@ -49,6 +49,15 @@ def test_a_rating_of_zero_weighs_as_much_as_one():
     assert comfort.weights_of(np.array([0.0, 1, 2, 10])).tolist() == [1, 1, 0.5, 0.1]
 
 
+def test_a_component_that_nobody_changes_does_not_hide_an_effect_of_the_others():
+    changes, weights = np.random.default_rng(1).normal([20, -20], 15, (20, 2)), np.ones(20)
+    alone = intervals.hotelling(changes, weights)
+    assert alone < 0.001
+    for more in (np.zeros(20), changes.sum(axis=1)):    # nobody changed it, or it follows from the others
+        assert intervals.hotelling(np.column_stack([changes, more]), weights) == pytest.approx(alone)
+    assert intervals.hotelling(np.full((20, 3), 7.0), weights) == 1    # nothing varies
+
+
 def test_a_share_has_the_interval_of_clopper_and_pearson():
     low, high = intervals.share(10, 16)
     assert (round(low, 3), round(high, 3)) == (0.354, 0.848)      # their published table

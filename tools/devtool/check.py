@@ -19,6 +19,10 @@ _PAGE_SUFFIXES = (".ts", ".tsx", ".js", ".mjs")
 _PAGE = ("frontend/", "api/proto/")
 
 
+#: Folders of services in Python, each with a package diaphane_NAME.
+SERVICES = ("pacs", "studies")
+
+
 @dataclass(frozen=True)
 class Check:
     name: str
@@ -38,6 +42,8 @@ CHECKS = [
     Check("types", lambda: _npm_check("exec", "--", "tsc", "-b"), inputs=_PAGE),
     Check("lint", lambda: _npm_check("exec", "--", "eslint", "."), inputs=_PAGE),
     Check("client", client_code.check, inputs=("clients/", "api/proto/", "api/openapi.yaml", "tools/devtool/client_code.py", "tools/check-requirements.txt")),
+    Check("services", lambda: [finding for name in SERVICES for finding in client_code.lint(paths.REPO / name, f"diaphane_{name}")],
+          inputs=("clients/python/", *(f"{name}/" for name in SERVICES), "tools/check-requirements.txt")),
     Check("tidy", tidy.check, slow=True),
 ]
 

@@ -83,6 +83,8 @@ def _add_instance(command: _Commands) -> None:
     up.add_argument("--detach", dest="background", action="store_true", help="run in the background and return once everything is ready; stop it with `./diaphane down`")
     up.add_argument("--port", type=_port, metavar="N", help="port of the web page (default: 8080, or the next free port)")
     up.add_argument("--engine", choices=("auto", "cpu", "cuda"), default="auto", help="rendering engine; auto uses CUDA if a GPU is available (default: auto)")
+    up.add_argument("--archive", dest="archives", action="append", default=[], metavar="NAME=URL",
+                    help="connect to an archive (PACS) with DICOMweb, or to dicom://AE_TITLE@HOST:PORT with DIMSE (repeatable); for more, edit archives.toml in the data directory")
     command("down", "supervise.down", "stop the instance that runs on a data directory", data=True)
     status = command("status", "status.show", "show each program with its port and state, and the rendering engine and device", data=True)
     status.add_argument("--json", dest="as_json", action="store_true", help="print the status as JSON")
@@ -94,8 +96,9 @@ def _add_scans(command: _Commands) -> None:
     administrators.add_argument("what", choices=("grant", "revoke", "list", "reset-2fa", "forget-factor"), metavar="{grant,revoke,list,reset-2fa}",
                                 help="grant or revoke the administrator role, list all administrators, or turn off a user's second factor")
     administrators.add_argument("email", nargs="?", metavar="EMAIL", help="confirmed email address of the account (not used by list)")
-    command("scan", "run_binary.scan", "list the series in a folder or an archive and say which are suitable (FOLDER or FILE.zip [--json] [--build VOLUME])", rest=True)
+    command("scan", "run_binary.scan", "list the series in a folder, an archive or a research file and say which are suitable (FOLDER or FILE [--json] [--build VOLUME [--phases LIST]])", rest=True)
     command("export", "run_binary.export", "write a scan as NIfTI, or a part of it as STL or glTF (INPUT OUTPUT ..., see --help)", rest=True)
+    command("align", "run_binary.align", "align two scans by a rotation and a shift, and print how well (FIXED MOVING, see --help)", rest=True)
     command("render", "run_binary.render", "render a picture without a server (INPUT ..., see --help)", rest=True)
     command("study", "study.run", "analyse the export of a study, or simulate one (analyse EXPORT or simulate KIND, see --help)", rest=True)
     command("replay", "replay.run", "replay a recorded interaction (FILE, and --link LINK or --scan SCAN --out FOLDER)", rest=True)
@@ -110,7 +113,7 @@ def _add_checks(command: _Commands) -> None:
     test.add_argument("--checks", dest="with_checks", action="store_true", help="also run `./diaphane check`; each check counts as a test")
     check = command("check", "check.run", "run the static checks: formatting, prose, linters, types, link rules and API contracts")
     check.add_argument("--fix", action="store_true", help="let clang-format, Prettier and ESLint fix what they can")
-    check.add_argument("--only", metavar="NAME", action="append", default=[], help="run only this check: files, prose, format, contracts, links, types, lint, client or tidy (repeatable)")
+    check.add_argument("--only", metavar="NAME", action="append", default=[], help="run only this check: files, prose, format, contracts, links, types, lint, client, services or tidy (repeatable)")
     fuzz = command("fuzz", "fuzz.run", "fuzz the upload, volume, request and stream parsers (libFuzzer with ASan and UBSan)")
     fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, nifti, labels, tar, report, volume, viewer, stream, fields, preset, recording, scene_xml or panorama (default: all)")
     fuzz.add_argument("--seconds", type=int, default=60, metavar="N", help="duration per target in seconds (default: 60)")

@@ -41,14 +41,16 @@ def check() -> list[str]:
              if not (GENERATED / name).exists() or (GENERATED / name).read_text(encoding="utf-8") != text]
     known = {*made, "__init__.py"}
     found += [f"{path.relative_to(paths.REPO)}: no longer generated" for path in GENERATED.glob("*.py*") if path.suffix != ".pyc" and path.name not in known]
-    return found + _lint()
+    return found + lint(PACKAGE, "src")
 
 
-def _lint() -> list[str]:
+def lint(folder: Path, package: str) -> list[str]:
+    """Returns the findings of ruff and mypy, with the settings in the folder's pyproject.toml."""
     found = []
     for tool in (("ruff", "check", "--quiet"), ("mypy", "--no-error-summary")):
-        done = commands.run([paths.VENV_PYTHON, "-m", *tool, "src"], cwd=PACKAGE)
-        found += [] if done.returncode == 0 else [f"clients/python: {tool[0]}: {line}" for line in done.stdout.strip().splitlines()]
+        done = commands.run([paths.VENV_PYTHON, "-m", *tool, package], cwd=folder)
+        name = folder.relative_to(paths.REPO)
+        found += [] if done.returncode == 0 else [f"{name}: {tool[0]}: {line}" for line in done.stdout.strip().splitlines()]
     return found
 
 
@@ -70,7 +72,7 @@ def operations(contract: dict) -> str:
             if scope := next((one["token"][0] for one in operation.get("security", []) if "token" in one), None):
                 rows.append(f'    "{operation["operationId"]}": Operation("{method.upper()}", "{path}", "{scope}"),\n')
     return (_HEADER.format(source="api/openapi.yaml") + "from typing import Literal, NamedTuple\n\n\n"
-            "class Operation(NamedTuple):\n    method: str\n    path: str\n    scope: Literal[\"read\", \"write\", \"share\"]\n\n\n"
+            "class Operation(NamedTuple):\n    method: str\n    path: str\n    scope: Literal[\"read\", \"write\", \"share\", \"archive\"]\n\n\n"
             f"OPERATIONS: dict[str, Operation] = {{\n{''.join(rows)}}}\n")
 
 

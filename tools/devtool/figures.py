@@ -25,17 +25,16 @@ INTRODUCTION = """\
 # Figures
 
 `./diaphane figures` writes this page from the reports in [figures/](figures), which also hold the
-commands and all other results. To update a figure, run `./diaphane bench NAME --json
-docs/figures/FILE.json`, then `./diaphane figures`. Values are medians, and ± is the standard
-deviation of the runs. A target has the unit of its value. The machine is an AMD EPYC
-with 2 cores unless a caption names another.
+commands and all other results. [Performance](performance.md) says how to update it. Values are
+medians, and ± is the standard deviation of the runs. A target has the unit of its value. The
+machine is an AMD EPYC with 2 cores unless a caption names another.
 """
 
 # Shows only the results that have a target.
 TARGETS = "targets"
 
-# Reports of benches that the page only links.
-ONLY_LINKED = ("body", "cluster", "contract", "controls", "copies", "denoiser", "disc-to-picture", "edge", "edge-attacks", "exact-walk", "first-picture",
+# Benches whose reports are only in the folder.
+NOT_SHOWN = ("body", "cluster", "contract", "controls", "copies", "denoiser", "disc-to-picture", "edge", "edge-attacks", "exact-walk", "first-picture",
                "frame-rate", "growth", "hostile", "image", "ingest", "ingest-scale", "latency", "link", "live-sessions", "load",
                "many", "page-load", "render", "scan-folder", "slice-interpolation", "slices", "soak", "stability", "startup",
                "still-codecs", "tests", "video")
@@ -49,6 +48,8 @@ SECTIONS: dict[str, tuple[str, str, str]] = {
     "kernels": ("", TARGETS, ""),
     "schedule": ("Concurrent sessions by scheduling policy.",
                  r"marginal-gain: mean|slowdown with round|one session, switch|decision|64 mixed, marginal-gain: queueing.*p95", ""),
+    "phases": ("A beating heart of 20 phases of 256^3, played.", TARGETS, r"20 phases of 256\^3 at |: phases per second"),
+    "pacs": ("1,000 slices of 512 x 512 in Orthanc.", TARGETS, ", 1000 slices"),
     "heads": ("Recognition of heads (95% interval).", r"sensitivity, n = (4|72|12)$|phantom: ", ""),
     "abuse": ("What ordinary users notice of an attack by 250 connections, 16 guests of a link and ten accounts at once.", r"^p95|failed", ""),
     "studies": ("Simulated crowds of 43 (validation: 16). p-values test the coverage of intervals.", TARGETS, r" binomial test of the coverage, corrected"),
@@ -79,7 +80,7 @@ def reports(folder: Path) -> dict[str, dict]:
 def page(found: dict[str, dict]) -> str:
     benches = {report["bench"] for report in found.values()}
     parts = [INTRODUCTION]
-    for bench in [*(name for name in SECTIONS if name in benches), *sorted(benches - set(SECTIONS) - set(ONLY_LINKED))]:
+    for bench in [*(name for name in SECTIONS if name in benches), *sorted(benches - set(SECTIONS) - set(NOT_SHOWN))]:
         about, pattern, redundant = SECTIONS.get(bench, ("", "", ""))
         parts.append(f"\n## {bench}\n" + (_wrapped(about) if about else ""))
         more = []
@@ -92,8 +93,6 @@ def page(found: dict[str, dict]) -> str:
                     more.append(f"[{name}](figures/{name})")
         if more:
             parts.append("\n" + _wrapped(f"More results: {', '.join(more)}"))
-    if linked := [f"[{name}](figures/{name})" for name, report in found.items() if report["bench"] in ONLY_LINKED]:
-        parts.append("\n## Other reports\n" + _wrapped(", ".join(linked)))
     return "".join(parts)
 
 

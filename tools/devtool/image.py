@@ -16,7 +16,7 @@ from .console import CliError, say, step
 CHART = paths.REPO / "helm" / "diaphane"
 LIMIT = 800_000_000
 #: Tools for users in a pod, besides the chart's programs, if the build contains them.
-_TOOLS = ("diaphane-scan", "diaphane-export", "diaphane-render", "diaphane-sample")
+_TOOLS = ("diaphane-scan", "diaphane-export", "diaphane-align", "diaphane-render", "diaphane-sample")
 _NGINX = Path("/usr/sbin/nginx")
 #: Modules that the edge's configuration loads, and Debian's packages with the Lua files that the second one needs.
 NGINX_MODULES = (Path("/usr/lib/nginx/modules/ndk_http_module.so"), Path("/usr/lib/nginx/modules/ngx_http_lua_module.so"))
@@ -66,6 +66,7 @@ def stage(into: Path) -> None:
     shutil.copytree(paths.REPO / "migrations", home / "migrations")
     _nvrtc(bin_dir / "diaphane-renderd", home / "lib")
     _studies(home / "studies")
+    _pacs(home / "pacs")
     python = _package_files(*_PYTHON_PACKAGES)
     edge = [_NGINX, *NGINX_MODULES]
     for file in (*edge, *_package_files(*_LUA_PACKAGES, below="/usr/share/lua/"), *python):
@@ -90,6 +91,14 @@ def _package_files(*names: str, below: str = "/usr/") -> list[Path]:
     listed = commands.output(["dpkg-query", "-L", *names])
     return [file for line in listed.splitlines()
             if line.startswith(below) and not line.startswith("/usr/share/doc") and (file := Path(line)).is_file() and "__pycache__" not in line]
+
+
+def _pacs(into: Path) -> None:
+    """Copies the PACS gateway, the Python client that it uses, and their libraries."""
+    leave_out = shutil.ignore_patterns("__pycache__", "*.pyc")
+    shutil.copytree(venv.PACS.folder, into, ignore=leave_out)
+    shutil.copytree(paths.REPO / "pacs" / "diaphane_pacs", into / "diaphane_pacs", ignore=leave_out)
+    shutil.copytree(paths.REPO / "clients" / "python" / "src" / "diaphane", into / "diaphane", ignore=leave_out)
 
 
 def _studies(into: Path) -> None:
@@ -138,7 +147,7 @@ def _libraries(ours: list[Path], edge: list[Path], into: Path, home: Path) -> No
     made = [sbom.Program(program.name, [parts[owner[file]].url for file in linked[program] if owner.get(file) in parts]) for program in programs]
     npm = sbom.npm_parts(json.loads((paths.FRONTEND / "package-lock.json").read_text(encoding="utf-8")))
     cuda = sbom.python_parts((paths.TOOLS / "cuda-requirements.txt").read_text(encoding="utf-8")) if (home / "lib").exists() else []
-    studies = sbom.python_parts((study.PACKAGE / "requirements.txt").read_text(encoding="utf-8"), needed=True)
+    studies = sbom.python_parts("\n".join((paths.REPO / folder / "requirements.txt").read_text(encoding="utf-8") for folder in ("studies", "pacs")), needed=True)
     listed = [*parts.values(), *studies, *(part for part in npm if part.needed), *(part for part in cuda if part.name == "cuda-toolkit")]
     document = sbom.document(version(), "1970-01-01T00:00:00Z", made, listed)
     (home / "sbom.json").write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

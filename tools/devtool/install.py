@@ -11,10 +11,10 @@ from .console import CliError, say
 
 PARTS = {
     "up": [venv.BUILD],
-    "image": [venv.BUILD, venv.CUDA, venv.STUDIES],
-    "test": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK, venv.STUDIES],
-    "check": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK],
-    "bench": [venv.BUILD, venv.TESTS, venv.STUDIES],
+    "image": [venv.BUILD, venv.CUDA, venv.STUDIES, venv.PACS],
+    "test": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK, venv.STUDIES, venv.PACS],
+    "check": [venv.BUILD, venv.CUDA, venv.TESTS, venv.CHECK, venv.PACS],
+    "bench": [venv.BUILD, venv.TESTS, venv.STUDIES, venv.PACS],
     "replay": [venv.TESTS],
 }
 #: Purposes that need no browser, linters or fuzzers.
@@ -42,6 +42,14 @@ def ensure(purpose: str, may_install: bool = True) -> None:
     if debian:
         packages.install(debian)
     for part in absent:
+        venv.ensure(part)
+
+
+def ensure_parts(wanted: list[venv.Part], may_install: bool) -> None:
+    """Installs missing parts of .tools, or raises CliError if that is not allowed."""
+    for part in wanted:
+        if not part.current() and not may_install:
+            raise CliError(f"missing: {part.what}")
         venv.ensure(part)
 
 

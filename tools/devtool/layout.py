@@ -22,9 +22,12 @@ class Layout:
     edge: Path
     studies: Path = Path("studies")                    # the package of the analysis, and its libraries if they are installed
     study_libraries: Path = Path("study-libraries")
+    pacs: Path = Path("pacs")                          # the PACS gateway, its libraries if they are installed, and the Python client
+    pacs_libraries: Path = Path("pacs-libraries")
+    client: Path = Path("src")
 
     def all(self) -> list[Path]:
-        return [self.bin, self.static, self.migrations, self.edge, self.studies, self.study_libraries]
+        return [self.bin, self.static, self.migrations, self.edge, self.studies, self.study_libraries, self.pacs, self.pacs_libraries, self.client]
 
 
 def of_checkout() -> Layout:
@@ -35,6 +38,9 @@ def of_checkout() -> Layout:
         edge=paths.REPO / "api" / "edge",
         studies=paths.REPO / "studies",
         study_libraries=paths.REPO / ".tools" / "study-libraries",
+        pacs=paths.REPO / "pacs",
+        pacs_libraries=paths.REPO / ".tools" / "pacs-libraries",
+        client=paths.REPO / "clients" / "python" / "src",
     )
 
 

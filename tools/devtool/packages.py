@@ -16,7 +16,7 @@ from .progress import AptProgress
 from .console import CliError, progress, say, step
 
 #: Services that Debian would start, also at each boot, although Diaphane starts its own.
-SERVICES = {"postgresql": "postgresql", "redis-server": "redis-server", "nginx-light": "nginx"}
+SERVICES = {"postgresql": "postgresql", "redis-server": "redis-server", "nginx-light": "nginx", "orthanc": "orthanc"}
 _POLICY = Path("/usr/sbin/policy-rc.d")
 
 

@@ -49,7 +49,7 @@ def places(data_set: str) -> Iterator[Place]:
 
 def go(page, url: str, place: Place, data_set: str) -> None:
     """Opens the page and waits for it. Raises CliError if none of the forms of its address leads to a page."""
-    forms = [place.path, f"{place.path}/{data_set}", f"{place.path}#{SECRET}", f"{place.path}#token={SECRET}"]
+    forms = [place.path, f"{place.path}/{data_set}", f"{place.path}/{data_set}/{data_set}", f"{place.path}#{SECRET}", f"{place.path}#token={SECRET}"]
     for form in forms:
         page.goto("about:blank")    # a change behind the # alone would load nothing
         page.goto(url + form)

@@ -16,7 +16,7 @@ POSTGRES_BIN = Path("/usr/lib/postgresql/15/bin")
 POSTGRES_STOP_SECONDS = 20.0
 
 #: Folders of a data directory (docs/contracts.md), besides `postgres`, which initdb creates. `secrets` has mode 0700.
-FOLDERS = ("redis", "uploads", "volumes", "cache", "legal", "mail", "scratch", "run", "logs", "secrets")
+FOLDERS = ("redis", "uploads", "volumes", "cache", "legal", "mail", "scratch", "spool", "run", "logs", "secrets")
 
 #: Variables of the user's environment that are passed to the programs. No others are.
 PASSED_ON = ("PATH", "LANG", "TZ", "LD_LIBRARY_PATH", "CUDA_VISIBLE_DEVICES", "NVIDIA_VISIBLE_DEVICES",
@@ -85,6 +85,11 @@ class Settings:
         return f"unix:{self.socket('redis')}"
 
     @property
+    def archives(self) -> Path:
+        """Returns the settings of the PACS gateway, which runs only with this file (docs/operate.md)."""
+        return self.data / "archives.toml"
+
+    @property
     def socket_dir(self) -> str:
         """Returns the folder of Postgres's socket, or an empty text if the path would be longer than a socket's name may be (107
         bytes)."""
@@ -94,7 +99,7 @@ class Settings:
 
 def programs(s: Settings) -> list[Program]:
     """Returns all programs in the order of their start."""
-    return [_postgres(s), _redis(s), _api(s), _gateway(s), _ingestd(s), _renderd(s), _analysis(s), _edge(s)]
+    return [_postgres(s), _redis(s), _api(s), _gateway(s), _ingestd(s), _renderd(s), _analysis(s), _pacs(s), _edge(s)]
 
 
 def _inherited(settings: Settings) -> dict[str, str]:
@@ -145,6 +150,7 @@ def _api(s: Settings) -> Program:
                  upload_dir=s.data / "uploads", volume_dir=s.data / "volumes", cache_dir=s.data / "cache",
                  mail=f"file:{s.data / 'mail'}", mail_from="Diaphane <diaphane@localhost>",
                  study_analysis_url=f"http://127.0.0.1:{s.ports['analysis']}",
+                 archive_url=f"http://127.0.0.1:{s.ports['pacs']}" if s.archives.exists() else "", archive_key=s.data / "secrets" / "archive-key",
                  sample_token=s.data / "secrets" / "sample-token", factor_key=s.data / "secrets" / "factor-key"))
 
 
@@ -193,10 +199,21 @@ def _analysis(s: Settings) -> Program:
         env=_own(s, port=s.ports["analysis"]) | {"PYTHONPATH": os.pathsep.join(map(str, folders)), "PYTHONDONTWRITEBYTECODE": "1", "MPLCONFIGDIR": str(s.data / "cache")})
 
 
+def _pacs(s: Settings) -> Program:
+    folders = (s.layout.pacs_libraries, s.layout.pacs, s.layout.client)
+    return Program(
+        name="pacs", argv=("/usr/bin/python3", "-m", "diaphane_pacs.serve"), port=s.ports["pacs"], tier=1, nice=5, stop_seconds=1,
+        requires=(folders[0] / "pynetdicom", folders[1] / "diaphane_pacs", s.archives), optional=True, ready=Ready("http", s.ports["pacs"]),
+        env=_own(s, port=s.ports["pacs"], archives=s.archives, archive_key=s.data / "secrets" / "archive-key", api_url=s.url,
+                 spool_dir=s.data / "spool")
+        | {"PYTHONPATH": os.pathsep.join(map(str, folders)), "PYTHONDONTWRITEBYTECODE": "1", "TMPDIR": str(s.data / "scratch")})
+
+
 def nginx_conf(s: Settings, template: str) -> str:
     """Returns the edge's configuration with every @NAME@ replaced."""
     values = {
         "LISTEN": f"127.0.0.1:{s.ports['edge']}", "API_PORT": s.ports["api"], "STREAM_PORT": s.ports["stream"],
+        "PACS": f"127.0.0.1:{s.ports['pacs']}", "ARCHIVES": "on" if s.archives.exists() else "off",
         "STATIC_DIR": s.layout.static, "RUN_DIR": s.data / "run", "CACHE_DIR": s.data / "cache", "LEGAL_DIR": s.data / "legal",
         "LOG": s.data / "logs" / "edge.log", "PUBLIC_HOST": s.host,
     }

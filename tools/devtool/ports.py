@@ -18,6 +18,7 @@ DEFAULTS = {
     "renderd-admin": 8093,
     "gateway-admin": 8094,
     "analysis": 8095,
+    "pacs": 8096,
 }
 
 

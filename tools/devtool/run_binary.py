@@ -31,6 +31,10 @@ def export(rest: list[str]) -> int:
     return _with_archives("diaphane-export", rest)
 
 
+def align(rest: list[str]) -> int:
+    return _with_archives("diaphane-align", rest)
+
+
 def render(rest: list[str]) -> int:
     return _with_archives("diaphane-render", rest)
 

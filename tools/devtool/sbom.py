@@ -98,7 +98,7 @@ def npm_parts(lock: dict) -> list[Part]:
 
 
 def python_parts(text: str, needed: bool = False) -> list[Part]:
-    """Returns the parts of a requirements file. Only the analysis of studies needs PyPI packages at run time."""
+    """Returns the parts of a requirements file. Only the analysis of studies and the PACS gateway need PyPI packages at run time."""
     lines = (re.sub(r"\s*(#|--hash=).*", "", line).strip() for line in text.splitlines())
     found = (re.fullmatch(r"([A-Za-z0-9._-]+)(?:\[[^\]]*\])?==(\S+)", line) for line in lines if line)
     return [Part("pypi", match[1], match[2], needed=needed) for match in found if match]
@@ -193,7 +193,8 @@ def here(folder: Path) -> tuple[list[Program], list[Part]]:
     parts += npm_parts(json.loads((paths.FRONTEND / "package-lock.json").read_text(encoding="utf-8")))
     for file in (paths.TOOLS / "requirements.txt", paths.TOOLS / "cuda-requirements.txt", paths.TOOLS / "check-requirements.txt", paths.REPO / "tests" / "requirements.txt"):
         parts += python_parts(file.read_text(encoding="utf-8"))
-    parts += python_parts((paths.REPO / "studies" / "requirements.txt").read_text(encoding="utf-8"), needed=True)
+    for folder in ("studies", "pacs"):
+        parts += python_parts((paths.REPO / folder / "requirements.txt").read_text(encoding="utf-8"), needed=True)
     for file in sorted(paths.REPO.rglob("go.mod")):
         if not {"node_modules", "build", ".tools"} & set(file.parts):
             parts += go_parts(file.read_text(encoding="utf-8"), needed="tests" not in file.relative_to(paths.REPO).parts)

@@ -223,7 +223,7 @@ class Stack:
     # Internals
 
     def _make_settings(self) -> None:
-        for name in ("postgres-superuser", "sample-token", "factor-key"):
+        for name in ("postgres-superuser", "sample-token", "factor-key", "archive-key"):
             datadir.secret(self.data, name, self.run_as)
         self.settings = Settings(
             data=self.data, ports=self.ports, layout=self.layout, engine=self.engine, durable=self.durable,

@@ -9,8 +9,9 @@ import threading
 import traceback
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Sequence
 
-from . import datadir, gpu, layout, ports, prepare, study, users
+from . import archive_settings, datadir, gpu, install, layout, ports, prepare, study, users, venv
 from .processes import Identity, end, wait_gone
 from .console import CliError, say, step, warn
 from .plan import POSTGRES_STOP_SECONDS
@@ -27,13 +28,15 @@ class UpOptions:
     sample: bool = True
     may_install: bool = False       # the libraries of the analysis of studies, once everything runs
     extra_env: tuple[tuple[str, str], ...] = ()
+    archives: str = ""              # settings of the PACS gateway that replace those of an earlier --archive
 
 
 def running_supervisor(data: Path) -> Identity | None:
     return datadir.recorded(datadir.read_record(data).get("supervisor", {}))
 
 
-def up(data: Path, may_install: bool, background: bool, port: int | None, engine: str) -> int:
+def up(data: Path, may_install: bool, background: bool, port: int | None, engine: str, archives: Sequence[str] = ()) -> int:
+    wanted = archive_settings.from_options(archives)
     if running_supervisor(data):
         say(f"Diaphane is already running: {datadir.read_record(data).get('url')}/")
         return 0
@@ -43,7 +46,9 @@ def up(data: Path, may_install: bool, background: bool, port: int | None, engine
     if (why := gpu.absence()) and gpu.is_plugged_in():
         warn(f"This machine has an NVIDIA GPU, but {why}. Diaphane renders on the CPU.")
     prepare.for_up(may_install)
-    chosen = UpOptions(data=data, engine=engine, port=port, may_install=may_install)
+    if wanted or (data / "archives.toml").exists():
+        install.ensure_parts([venv.PACS], may_install)
+    chosen = UpOptions(data=data, engine=engine, port=port, may_install=may_install, archives=wanted)
     return detach(chosen) if background else hold(chosen)
 
 
@@ -56,6 +61,8 @@ def hold(options: UpOptions, on_ready=lambda: None) -> int:
     owner = users.owner_of(options.data)
     run_as = owner if owner.uid >= 0 else users.ordinary_user()
     datadir.claim(options.data, run_as)
+    if options.archives:
+        archive_settings.write(options.data, options.archives, run_as)
     programs = layout.reachable(run_as, layout.copy_folder())
     installer = study.start_installer(programs.study_libraries) if options.may_install else None
     os.chdir("/")           # the ordinary user may have no access to the current directory

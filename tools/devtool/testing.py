@@ -11,13 +11,14 @@ import contextlib
 import math
 import os
 import shutil
+import tempfile
 import threading
 import time
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import Callable
+from typing import Callable, Iterator
 
 from . import build, clamav, commands, fuzz, gpu, install, kubernetes, mutants, paths, races, whole_node
 from .console import CliError, say, step, warn
@@ -57,7 +58,7 @@ def suites(nightly: bool = False) -> list[Suite]:
     # The nightly benches, long fuzzing and attacks have the machine for themselves.
     beside = math.inf if nightly else 1.0
     return [
-        Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, workers=1 if nightly else _workers()), cores=1),
+        Suite("integration", "integration", lambda reports: _pytest("integration", reports, *lane, "--shared", reports / SHARED, workers=1 if nightly else _workers()), cores=1),
         Suite("end-to-end", "e2e", lambda reports: _end_to_end("first", reports, *lane), cores=1),
         Suite("C++", "unit", lambda reports: _ctest(["--test-dir", paths.build_dir(), "-LE", "gpu"], _fresh(reports / "C++"), nightly), cores=beside),
         Suite("web page", "unit", _vitest, cores=beside),
@@ -65,6 +66,7 @@ def suites(nightly: bool = False) -> list[Suite]:
         Suite("tools", "unit", lambda reports: _pytest("devtool", reports), cores=beside),
         Suite("Python client", "unit", lambda reports: _pytest("client", reports), cores=beside),
         Suite("studies", "unit", lambda reports: _pytest("studies", reports), cores=beside),
+        Suite("PACS gateway", "unit", lambda reports: _pytest("pacs", reports), cores=beside),
         # Takes files from the first run as soon as a core is free.
         Suite("end-to-end (second run)", "e2e", lambda reports: _end_to_end("second", reports, *lane), cores=1),
         Suite("Kubernetes (subset)", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
@@ -150,7 +152,8 @@ def run(kind: str | None, may_install: bool = True, with_checks: bool = False, n
         if node:
             say(f"NOT RUN: the Kubernetes node, because this machine cannot run one ({node})")
         chosen = [suite for suite in suites(nightly) if is_run(suite, kind, not missing, nightly)]
-        done.add_all([suite for suite in chosen if suite.kind != "node" or not node], reports, cores=build.jobs())
+        with shared_folder(reports):
+            done.add_all([suite for suite in chosen if suite.kind != "node" or not node], reports, cores=build.jobs())
         if with_checks:
             done.add("slow checks", lambda: check.count(slow=True))
         _say_times(done.times, reports)
@@ -166,6 +169,20 @@ def run(kind: str | None, may_install: bool = True, with_checks: bool = False, n
         say(f"{total.skipped} skipped")
     say(str(total))
     return 0 if total.failed == 0 and total.passed > 0 else 1
+
+
+#: Name of the folder, beside the reports, for what the runs of pytest make once for all: an empty database and a scan.
+SHARED = "shared"
+
+
+@contextlib.contextmanager
+def shared_folder(reports: Path) -> Iterator[None]:
+    """Makes a link to a folder that the ordinary user can reach, who often cannot reach the checkout."""
+    with tempfile.TemporaryDirectory(prefix="diaphane-shared-") as folder:
+        Path(folder).chmod(0o755)
+        (reports / SHARED).symlink_to(folder)
+        yield
+        (reports / SHARED).unlink()
 
 
 def _prepare(kind: str | None, may_install: bool) -> None:
@@ -351,7 +368,7 @@ def _cluster(reports: Path) -> Count:
 
 def _end_to_end(which: str, reports: Path, *lane: str) -> Count:
     """Runs the files that the other run has not claimed."""
-    return _pytest("e2e", reports, *lane, "--claims", reports / "claims", report=f"e2e-{which}")
+    return _pytest("e2e", reports, *lane, "--claims", reports / "claims", "--shared", reports / SHARED, report=f"e2e-{which}")
 
 
 def _pytest(folder: str, reports: Path, *selection: object, only: tuple[str, ...] = (), within: tuple[str, ...] = (), workers: int = 1,

@@ -127,8 +127,14 @@ def _compile_commands(folder: Path) -> dict[Path, list[str]]:
             # Excludes tests, which would take half of the time and follow GoogleTest's style.
             if source.suffix != ".cpp" or source.stem.endswith("_test") or not source.is_relative_to(paths.REPO) or source.is_relative_to(folder):
                 continue
-            found[source] = _for_clang(command)
+            if not needs_gcc(source):
+                found[source] = _for_clang(command)
     return found
+
+
+def needs_gcc(source: Path) -> bool:
+    """Returns whether a file includes ITK, whose headers of Debian reject every compiler but GCC."""
+    return source.exists() and "#include <itk" in source.read_text(encoding="utf-8")
 
 
 def compiled_alone(file: str, command: list[str], unity: str | None = None) -> dict[Path, list[str]]:

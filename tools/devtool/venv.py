@@ -42,6 +42,8 @@ CHECK = Part("check-tools", "linters (from PyPI)", paths.TOOLS / "check-requirem
 #: In a folder of its own, because the image and other users' programs need it without the environment.
 STUDIES = Part("studies", "Python libraries for the analysis of studies (from PyPI)", paths.REPO / "studies" / "requirements.txt",
                folder=paths.REPO / ".tools" / "study-libraries")
+PACS = Part("pacs", "Python libraries for the PACS gateway (from PyPI)", paths.REPO / "pacs" / "requirements.txt",
+            folder=paths.REPO / ".tools" / "pacs-libraries")
 NODE = Part("node-24", "Node.js 24 (from PyPI)", requirement=_NODE_REQUIREMENT)
 
 

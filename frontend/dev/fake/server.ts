@@ -3,6 +3,7 @@ import type { IncomingMessage, ServerResponse } from "node:http";
 import type { Duplex } from "node:stream";
 import type { Plugin, PreviewServer } from "vite";
 import { WebSocketServer } from "ws";
+import type { Alignment } from "../../src/api/alignments";
 import type { DataSet, Me } from "../../src/api/types";
 import { fromJson, type JsonValue } from "@bufbuild/protobuf";
 import { SceneSchema } from "../../src/protocol/gen/api/proto/scene_pb";
@@ -12,6 +13,8 @@ import { answerParticipant, answerResearcher } from "./studies";
 
 /** What Vite's development and preview servers have in common. */
 interface Emitter {
+  /** Milliseconds. HTTP/2 has none. */
+  keepAliveTimeout?: number;
   on(event: "upgrade", listener: (request: IncomingMessage, socket: Duplex, head: Buffer) => void): unknown;
 }
 
@@ -21,6 +24,7 @@ const me: Me = {
   csrf_token: "0".repeat(64),
   administrator: false,
   researcher: true,
+  archive_access: false,
   second_factor: false,
   consent: { version: "2026-11-27", given_at: "2026-11-26T00:00:00.000Z" },
   quota: { bytes: 20e9, used_bytes: 3.1e9 },
@@ -86,6 +90,37 @@ const sets: DataSet[] = [
   { ...base, id: randomUUID(), title: "", owned: false, is_public: true, is_sample: true, state: "ready", volume },
 ];
 const received = new Map<string, number>();
+/** The alignments by the IDs of both scans. CT scans share a frame of reference. */
+const alignments = new Map<string, Alignment>();
+const motion = [1, 0, 0, 4, 0, 1, 0, -6, 0, 0, 1, 10, 0, 0, 0, 1];
+
+function alignmentOf(first: DataSet, second: string): Alignment {
+  const other = sets.find((one) => one.id === second);
+  const shared = first.volume?.modality === "CT" && other?.volume?.modality === "CT";
+  const none: Alignment = {
+    state: shared ? "ready" : "none",
+    frame_of_reference_shared: shared,
+    matrix: shared ? motion : null,
+    scene_matrix: shared ? motion : null,
+    residual_mm: null,
+    overlap: null,
+    reason: null,
+    may_align: true,
+  };
+  return alignments.get(`${first.id} ${second}`) ?? none;
+}
+
+function align(first: DataSet, second: string): Alignment {
+  const key = `${first.id} ${second}`;
+  const now = alignmentOf(first, second);
+  if (now.state !== "none") return now;
+  const running: Alignment = { ...now, state: "running" };
+  alignments.set(key, running);
+  const found = { matrix: motion, scene_matrix: motion, residual_mm: 1.3, overlap: 0.87 };
+  setTimeout(() => alignments.set(key, { ...running, state: "ready", ...found }), 2500);
+  return running;
+}
+
 const sessions = new Map<string, FakeSession>();
 
 async function bodyOf(request: IncomingMessage): Promise<Buffer> {
@@ -158,6 +193,10 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         say(200, { items: [], next_cursor: null });
         return;
       }
+      if (more === "alignments") {
+        say(200, alignmentOf(set, name));
+        return;
+      }
       if (more !== "thumbnails") {
         say(200, set);
         return;
@@ -175,8 +214,13 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
       say(201, { data_set: sets[0], upload_url: upload.url });
       return;
     }
+    case "PUT data-sets":
+      if (set) say(201, align(set, name));
+      else problem(404, "not-found");
+      return;
     case "DELETE data-sets":
-      if (set) sets.splice(sets.indexOf(set), 1);
+      if (set && more === "alignments") alignments.delete(`${set.id} ${name}`);
+      else if (set) sets.splice(sets.indexOf(set), 1);
       say(204);
       return;
     case "HEAD uploads":
@@ -204,9 +248,10 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
         return;
       }
       if (!sessions.has(session)) {
-        const wanted = sets.find((one) => body.includes(one.id));
-        const phases = wanted?.title === "Beating heart" ? 20 : 0;
-        sessions.set(session, { scene: sceneNamed("skin"), inputSeq: 0n, epoch: 1n, phases });
+        const wanted = JSON.parse(body.toString()) as { data_set_id: string; over?: string };
+        const phases = sets.find(({ id }) => id === wanted.data_set_id)?.title === "Beating heart" ? 20 : 0;
+        const fused = wanted.over !== undefined;
+        sessions.set(session, { scene: sceneNamed("skin"), inputSeq: 0n, epoch: 1n, phases, fused });
       }
       say(201, { session_id: session, stream_url: `/stream?ticket=${session}` });
       return;
@@ -223,6 +268,8 @@ export function fakeServer(): Plugin {
       if (request.url?.startsWith("/v1/")) void answer(request, response);
       else next();
     });
+    // A client that reuses a connection just when the server ends it gets a reset instead of an answer.
+    if (httpServer) httpServer.keepAliveTimeout = 0;
     const streams = new WebSocketServer({ noServer: true });
     httpServer?.on("upgrade", (request: IncomingMessage, socket: Duplex, head: Buffer) => {
       if (!request.url?.startsWith("/stream")) return;

@@ -1,6 +1,6 @@
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import type { WebSocket } from "ws";
-import { SceneSchema, type Scene } from "../../src/protocol/gen/api/proto/scene_pb";
+import { OverlayLookSchema, SceneSchema, type Scene } from "../../src/protocol/gen/api/proto/scene_pb";
 import {
   AudienceSchema,
   ClientMessageSchema,
@@ -134,7 +134,19 @@ export interface FakeSession {
   epoch: bigint;
   /** Number of phases of the scan. */
   phases?: number;
+  /** Whether a second scan is shown over the scan. */
+  fused?: boolean;
 }
+
+const overlayLooks = ["hot", "bone"].map((name) =>
+  create(OverlayLookSchema, {
+    name,
+    overlay: {
+      share: 0.5,
+      ...(sceneNamed(name).transferFunction ? { transferFunction: sceneNamed(name).transferFunction } : {}),
+    },
+  }),
+);
 
 export function serveStream(socket: WebSocket, session: FakeSession): void {
   let size = { width: 640, height: 480 };
@@ -229,6 +241,9 @@ export function serveStream(socket: WebSocket, session: FakeSession): void {
           volume: { ...volume, phases: phasesOf(session.phases ?? 0) },
           histogram,
           sliceStacks: [],
+          ...(session.fused
+            ? { second: { $typeName: "diaphane.v1.SecondVolume" as const, volume, histogram, looks: overlayLooks } }
+            : {}),
           presets: Object.keys(colours).map((name) => ({
             $typeName: "diaphane.v1.Preset" as const,
             name,

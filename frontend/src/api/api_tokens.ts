@@ -3,8 +3,8 @@ import type { Send } from "./sharing";
 const path = "/v1/me/tokens";
 
 /** What a token permits. No scope includes another. */
-export type TokenScope = "read" | "write" | "share";
-export const tokenScopes: readonly TokenScope[] = ["read", "write", "share"];
+export type TokenScope = "read" | "write" | "share" | "archive";
+export const tokenScopes: readonly TokenScope[] = ["read", "write", "share", "archive"];
 
 /** An API token, with which programs use the account. */
 export interface ApiToken {

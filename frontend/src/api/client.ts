@@ -1,6 +1,8 @@
+import { AlignmentsApi } from "./alignments";
 import { ApiTokensApi } from "./api_tokens";
 import { AnnotationsApi } from "./annotations";
 import { AnonymiseApi } from "./anonymise";
+import { ArchivesApi } from "./archives";
 import { EnvironmentsApi } from "./environments";
 import { ScanExportsApi } from "./scan_exports";
 import { SecondFactorApi } from "./second_factor";
@@ -164,7 +166,13 @@ export class Api {
 
   changeUser(
     id: string,
-    change: { quota_bytes?: number; render_quota_ms?: number; disabled?: boolean; researcher?: boolean },
+    change: Partial<{
+      quota_bytes: number;
+      render_quota_ms: number;
+      disabled: boolean;
+      researcher: boolean;
+      archive_access: boolean;
+    }>,
   ): Promise<User> {
     return this.json("PATCH", `/v1/admin/users/${id}`, change);
   }
@@ -220,8 +228,10 @@ export class Api {
     await this.send("DELETE", `/v1/data-sets/${id}/labels`);
   }
 
-  createSession(dataSetId: string, signal?: AbortSignal): Promise<Stream> {
-    return this.json("POST", "/v1/sessions", { data_set_id: dataSetId }, signal ? { signal } : {});
+  /** Opens a session on a scan. `over` is the scan that it shows over the first one, if any. */
+  createSession(dataSetId: string, signal?: AbortSignal, over?: string): Promise<Stream> {
+    const body = { data_set_id: dataSetId, ...(over === undefined ? {} : { over }) };
+    return this.json("POST", "/v1/sessions", body, signal ? { signal } : {});
   }
 
   createTicket(sessionId: string, signal?: AbortSignal): Promise<Stream> {
@@ -277,10 +287,12 @@ export class Api {
   readonly tokens = new ApiTokensApi((...call) => this.send(...call));
   readonly secondFactor = new SecondFactorApi((...call) => this.send(...call));
   readonly scanExports = new ScanExportsApi((...call) => this.send(...call));
+  readonly alignments = new AlignmentsApi((...call) => this.send(...call));
   readonly annotations = new AnnotationsApi((...call) => this.send(...call));
   readonly presets = new PresetsApi((...call) => this.send(...call));
   readonly environments = new EnvironmentsApi((...call) => this.send(...call));
   readonly studies = new StudiesApi((...call) => this.send(...call));
+  readonly archives = new ArchivesApi((...call) => this.send(...call));
 
   private known(me: Me): Me {
     this.token = me.csrf_token;

@@ -6,6 +6,7 @@ import type {
   Page,
   Permissions,
   PresetInfo,
+  PresetName,
   Report,
   SavedPreset,
   SharedPerson,
@@ -91,6 +92,11 @@ export class SharingApi {
   /** Returns what the link leads to. Needs no account. */
   follow(token: string): Promise<{ readonly data_set: DataSet; readonly expires_at: string }> {
     return read(this.send("POST", "/v1/follow", { token }));
+  }
+
+  /** Returns a picture of the scan that the link leads to. Needs no account. */
+  async lookPicture(token: string, look: PresetName, signal: AbortSignal): Promise<Blob> {
+    return (await this.send("POST", `/v1/follow/thumbnails/${look}`, { token }, { signal })).blob();
   }
 
   /** Opens a sample, or a scan by link. Needs no account. */

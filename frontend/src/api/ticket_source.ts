@@ -5,25 +5,26 @@ import type { Stream } from "./types";
 
 /** The part of the API that tickets for the user's own sessions need. */
 export interface SessionApi {
-  createSession(dataSetId: string, signal?: AbortSignal): Promise<Stream>;
+  createSession(dataSetId: string, signal?: AbortSignal, over?: string): Promise<Stream>;
   createTicket(sessionId: string, signal?: AbortSignal): Promise<Stream>;
 }
 
 /**
- * Tickets for this page's session or, if it no longer exists, for a new one of the same data set. Each ticket calls
- * `session` with the session's ID.
+ * Tickets for this page's session or, if it no longer exists, for a new one of the same data set. `over` is the scan that
+ * it shows over the data set, if any. Each ticket calls `session` with the session's ID.
  */
 export function sessionTicketSource(
   api: SessionApi,
   dataSetId: string,
   known: string | null,
   session: (id: string) => void,
+  over?: string,
 ): TicketSource {
   let id = known;
   return async (signal) => {
     try {
       const stream =
-        (id === null ? null : await again(api, id, signal)) ?? (await api.createSession(dataSetId, signal));
+        (id === null ? null : await again(api, id, signal)) ?? (await api.createSession(dataSetId, signal, over));
       id = stream.session_id;
       session(id);
       return { ok: true, url: stream.stream_url };

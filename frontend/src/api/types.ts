@@ -8,6 +8,8 @@ export interface Me {
   readonly administrator: boolean;
   /** Whether the account may run studies. */
   readonly researcher: boolean;
+  /** Whether the account may use the hospital's archives. */
+  readonly archive_access: boolean;
   /** Whether signing in requires a code. */
   readonly second_factor: boolean;
   /** Consent to the processing of health data, null until it is given to this version of the privacy notice. */
@@ -53,6 +55,7 @@ export interface User {
   readonly disabled: boolean;
   readonly administrator: boolean;
   readonly researcher: boolean;
+  readonly archive_access: boolean;
   readonly quota: { readonly bytes: number; readonly used_bytes: number };
   readonly render_time: { readonly quota_ms: number; readonly used_ms: number };
   readonly data_sets: number;

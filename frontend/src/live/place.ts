@@ -2,16 +2,27 @@ import type { AnnotationSet } from "../api/annotations";
 import type { Api } from "../api/client";
 import { randomKey } from "../api/random_key";
 import { guestTicketSource, sessionTicketSource, visitTicketSource } from "../api/ticket_source";
+import type { PresetName } from "../api/types";
 import type { Scene } from "../protocol/messages";
 import type { OpenSocket, TicketSource } from "../protocol/stream_client";
+
+/** Pictures of one scan under its looks. */
+export interface LookPictures {
+  /** Identifies the scan. */
+  readonly key: string;
+  load(look: PresetName, signal: AbortSignal): Promise<Blob>;
+}
 
 /** The source of a viewer's pictures, and the key under which the page remembers the view. */
 export interface Place {
   readonly key: string;
   /** The scan that the user's account may open, or null for guests and visitors. */
   readonly data_set_id: string | null;
-  /** The scan whose pictures this person may load; a guest gets those of samples only. */
-  readonly pictured_id: string | null;
+  /**
+   * The pictures of the looks. Null if this person gets none: a guest of a live session sees only what its presenter
+   * shows, and these pictures would show the whole scan.
+   */
+  readonly lookPictures: LookPictures | null;
   /** Whether this is a visit, which is over when its session is. */
   readonly isVisit: boolean;
   /** Returns the scene to begin with, in place of the server's. */
@@ -34,7 +45,7 @@ export function ownPlace(api: Api, dataSetId: string): Place {
   return {
     key: dataSetId,
     data_set_id: dataSetId,
-    pictured_id: dataSetId,
+    lookPictures: { key: dataSetId, load: (look, signal) => api.thumbnail(dataSetId, look, signal) },
     isVisit: false,
     savedMarks: () => api.annotations.list(dataSetId),
     ticketSource: (known, session) => sessionTicketSource(api, dataSetId, known, session),
@@ -45,12 +56,30 @@ export function ownPlace(api: Api, dataSetId: string): Place {
   };
 }
 
+/**
+ * Returns the place of a scan on the page that compares two scans. `side` is its side of the page. Its
+ * view and its session are remembered apart from those of the viewer.
+ */
+export function comparedPlace(api: Api, dataSetId: string, side: number): Place {
+  return { ...ownPlace(api, dataSetId), key: `compare.${side}.${dataSetId}` };
+}
+
+/** Returns the place of a scan over which a second one is shown. */
+export function fusedPlace(api: Api, dataSetId: string, over: string): Place {
+  return {
+    ...ownPlace(api, dataSetId),
+    key: `over.${dataSetId}.${over}`,
+    ticketSource: (known, session) => sessionTicketSource(api, dataSetId, known, session, over),
+    fileTicketSource: (session) => sessionTicketSource(api, dataSetId, null, session, over),
+  };
+}
+
 export function guestPlace(api: Api, token: string, guest: Guest): Place {
   const ticketSource = () => guestTicketSource(api, token, guest.key, guest.name);
   return {
     key: `guest.${token.slice(0, 8)}`,
     data_set_id: null,
-    pictured_id: null,
+    lookPictures: null,
     isVisit: false,
     savedMarks: null,
     ticketSource,
@@ -70,7 +99,13 @@ export function visitPlace(
   return {
     key: `visit.${key.slice(0, 8)}`,
     data_set_id: null,
-    pictured_id: "data_set_id" in what ? what.data_set_id : null,
+    lookPictures: {
+      key: "token" in what ? what.token : what.data_set_id,
+      load: (look, signal) =>
+        "token" in what
+          ? api.sharing.lookPicture(what.token, look, signal)
+          : api.thumbnail(what.data_set_id, look, signal),
+    },
     isVisit: true,
     savedMarks: () => ("token" in what ? api.annotations.follow(what.token) : api.annotations.list(what.data_set_id)),
     ticketSource: () => visitTicketSource(api.sharing, what, key),

@@ -21,11 +21,22 @@ export interface QueryDependencies {
 
 /** Time to wait for an answer, which normally takes milliseconds and a round trip. */
 export const patienceMs = 5000;
+/** Pause after an answer. The renderer refuses a query within 50 ms of the one before. */
+export const pauseMs = 60;
 
-/** Matches queries about the picture with their answers. */
+interface Query {
+  readonly x: number;
+  readonly y: number;
+  readonly resolve: (answer: Answered) => void;
+}
+
+/** Sends queries about the picture one after the other, and matches them with their answers. */
 export class DepthQueries {
   private last = 0n;
-  private readonly waiting = new Map<bigint, (answer: Answered) => void>();
+  private readonly coming: Query[] = [];
+  /** The query without an answer. */
+  private open: { readonly id: bigint; readonly query: Query; readonly disarm: () => void } | null = null;
+  private pausing = false;
 
   constructor(private readonly dependencies: QueryDependencies) {}
 
@@ -34,14 +45,9 @@ export class DepthQueries {
    * picture.
    */
   ask(x: number, y: number): Promise<Answered> {
-    const id = ++this.last;
-    if (!this.dependencies.send(encodeDepthQuery(id, x, y))) return Promise.resolve({ answered: false });
     return new Promise((resolve) => {
-      const disarm = this.dependencies.after(patienceMs, () => this.settle(id, { answered: false }));
-      this.waiting.set(id, (answer) => {
-        disarm();
-        resolve(answer);
-      });
+      this.coming.push({ x, y, resolve });
+      this.next();
     });
   }
 
@@ -53,12 +59,35 @@ export class DepthQueries {
 
   /** Ends all queries, because the connection is lost. */
   lost(): void {
-    for (const id of [...this.waiting.keys()]) this.settle(id, { answered: false });
+    const coming = this.coming.splice(0);
+    if (this.open) this.settle(this.open.id, { answered: false });
+    for (const { resolve } of coming) resolve({ answered: false });
+  }
+
+  private next(): void {
+    if (this.open || this.pausing) return;
+    const query = this.coming.shift();
+    if (!query) return;
+    const id = ++this.last;
+    if (this.dependencies.send(encodeDepthQuery(id, query.x, query.y))) {
+      const disarm = this.dependencies.after(patienceMs, () => this.settle(id, { answered: false }));
+      this.open = { id, query, disarm };
+    } else {
+      query.resolve({ answered: false });
+      this.next();
+    }
   }
 
   private settle(id: bigint, answer: Answered): void {
-    const settled = this.waiting.get(id);
-    this.waiting.delete(id);
-    settled?.(answer);
+    const { open } = this;
+    if (open?.id !== id) return;
+    this.open = null;
+    this.pausing = true;
+    open.disarm();
+    open.query.resolve(answer);
+    this.dependencies.after(pauseMs, () => {
+      this.pausing = false;
+      this.next();
+    });
   }
 }

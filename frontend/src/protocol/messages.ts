@@ -208,10 +208,17 @@ const obliqueOf = (stack: Stack, { id, slab }: Oblique, slice: number) =>
   });
 
 /** Returns null if the slice belongs to a plane that this page does not know. */
-export function comingSlice({ seq, plane, index, columns, rows, data, oblique }: ExactSlice): Coming | null {
+export function comingSlice({ plane, data, second, labels, oblique, ...rest }: ExactSlice): Coming | null {
+  const { seq, index, columns, rows } = rest;
   const known = planeOf(plane);
-  const bytes = data as Uint8Array<ArrayBuffer>;
-  return known && { seq, plane: known, index, columns, rows, data: bytes, ...(oblique ? { oblique } : {}) };
+  if (!known) return null;
+  const coming = { seq, plane: known, index, columns, rows, data: data as Uint8Array<ArrayBuffer> };
+  return {
+    ...coming,
+    ...(second.length > 0 ? { second: second as Uint8Array<ArrayBuffer> } : {}),
+    ...(labels.length > 0 ? { labels: labels as Uint8Array<ArrayBuffer> } : {}),
+    ...(oblique ? { oblique } : {}),
+  };
 }
 
 /** Returns the complete stacks. Earlier versions of the server send none. */

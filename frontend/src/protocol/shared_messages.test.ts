@@ -10,7 +10,16 @@ it("tells followers the tilt and the slab of the presenter's slices", () => {
   const tilt = { axial: axes, sagittal: axes, coronal: axes };
   const slab = { mm: 12.5, projection: "minimum" } as const;
   const window = { centre: 103, width: 205 };
-  const shown = { crosshair: vec3(1, 2, 3), window, smooth: true, overlay: 0.5, tilt, slab, placings: {} };
+  const shown = {
+    crosshair: vec3(1, 2, 3),
+    window,
+    smooth: true,
+    overlay: 0.5,
+    labels: 0.25,
+    tilt,
+    slab,
+    placings: {},
+  };
   for (const presented of [
     { ...shown, view: "four" as const },
     { ...shown, view: "axial" as const, tilt: null },
@@ -29,6 +38,7 @@ it("tells followers the presenter's window while the presenter shows no slices",
     window,
     smooth: true,
     overlay: 0.5,
+    labels: 0,
     tilt: null,
     slab: noSlab,
     placings: {},

@@ -57,6 +57,7 @@ export function encodeSliceView(shown: PresentedSlices): Bytes {
     crosshair: vector(shown.crosshair),
     smooth: shown.smooth,
     overlay: shown.overlay,
+    labels: shown.labels,
     slab: shown.slab.mm,
     projection: projectionNumbers[shown.slab.projection],
     tilts: tiltsOf(shown.tilt),
@@ -121,6 +122,7 @@ export function presentedOf(view: SliceView): PresentedSlices {
     window: { centre: view.windowCentre, width: view.windowWidth },
     smooth: view.smooth,
     overlay: view.overlay,
+    labels: view.labels,
     tilt: tiltOf(view),
     slab: slabFrom({
       mm: view.slab,

@@ -289,6 +289,14 @@ describe("the stream client", () => {
     expect(world.sent.map((m) => m.body.case)).toEqual(["hello", "needKey"]);
   });
 
+  it("expects pictures only while connected and on the screen", async () => {
+    expect(world.client.isOwedPictures).toBe(false);
+    await world.live();
+    expect(world.client.isOwedPictures).toBe(true);
+    world.client.setVisible(false);
+    expect(world.client.isOwedPictures).toBe(false);
+  });
+
   it("sends requests only while connected", async () => {
     const ask = () => {
       world.client.wantSlices([{ plane: "coronal", index: 3 }], 7n);

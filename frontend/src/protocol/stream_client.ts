@@ -193,6 +193,11 @@ export class StreamClient {
     this.planFlush();
   }
 
+  /** Whether the renderer sends this viewer a picture for each input. */
+  get isOwedPictures(): boolean {
+    return this.leads && this.visible && this.state.phase === "live";
+  }
+
   setVisible(visible: boolean): void {
     if (visible === this.visible) return;
     this.visible = visible;

@@ -4,6 +4,7 @@ import type { ImageHeader } from "./image/header";
 import { bigEndian, implicitLittle, keptElement, wantedTags } from "./clean_file";
 import { bytesOf, framesOf } from "./frames";
 import type { SliceHeader } from "./types";
+import { bValueElement, bValueTag, privateBValue } from "./private_b_value";
 
 /** Reads the headers of DICOM files with dicom-parser. */
 
@@ -140,11 +141,21 @@ function headerOf(data: DataSet, form: Form, file: number, fileBytes: number, cu
     orientation: numbers(data, "x00200037", 6) as SliceHeader["orientation"],
     pixels: voxels.pixels,
     voxels: voxels.voxels,
-    moment: momentOf(data),
-    kept: keptElements(data),
+    ...distinguishing(data, transferSyntax),
     grouped: [],
     inflated: null,
     truncated: cutOff || voxels.truncated,
+  };
+}
+
+/** Reads the elements to send, and what may distinguish slices. A private b-value is sent as the standard element. */
+function distinguishing(data: DataSet, transferSyntax: string): Pick<SliceHeader, "moment" | "kept"> {
+  const [standard = null, ...others] = momentOf(data);
+  const own = standard === null ? privateBValue(data) : null;
+  const kept = keptElements(data).filter(({ tag }) => own === null || tag !== bValueTag);
+  return {
+    moment: [standard ?? own, ...others],
+    kept: own === null ? kept : [...kept, bValueElement(own, transferSyntax)],
   };
 }
 

@@ -16,6 +16,7 @@ function nifti(): Uint8Array<ArrayBuffer> {
   const bytes = canonicalHeader({
     size: [4, 3, 2],
     volumes: 1,
+    run: 24,
     stepMs: null,
     values: 1,
     type: "uint8",

@@ -4,6 +4,7 @@ import { disguisedUid } from "./disguised_uid";
 import { canonicalHeader } from "./image/canonical";
 import { voxelBytes, type VoxelType, type ImageHeader } from "./image/header";
 import { readNifti } from "./image/nifti";
+import { inChunks } from "./piece";
 
 /** Files of labels: NIfTI label volumes, DICOM segmentations (SEG) and structure sets (RTSTRUCT). */
 
@@ -27,7 +28,9 @@ const mostBytes = 2 ** 30;
 export async function cleanLabelFile(file: Blob): Promise<Blob> {
   const bytes = await unpacked(file);
   const parts = niftiParts(bytes) ?? dicomParts(bytes);
-  return new Response(new Blob(parts).stream().pipeThrough(new CompressionStream("gzip"))).blob();
+  // Chunks of the same sizes give the same bytes each time, so that an upload can be resumed.
+  const whole = new Uint8Array(await new Blob(parts).arrayBuffer());
+  return new Response(inChunks(whole).pipeThrough(new CompressionStream("gzip"))).blob();
 }
 
 async function unpacked(file: Blob): Promise<Uint8Array<ArrayBuffer>> {

@@ -55,6 +55,36 @@ describe("a series with several phases", () => {
     expect(await judged(diffusion)).toMatchObject({ phases: { kind: "b_value", count: 3, range: [0, 1000] } });
   });
 
+  it.each([
+    ["Siemens", (b: number) => [0x0019, "SIEMENS MR HEADER", 0x100c, "IS", String(b)]],
+    ["GE", (b: number) => [0x0043, "GEMS_PARM_01", 0x1039, "IS", `${1e9 + b}\\8\\0\\0`]],
+    [
+      "Philips",
+      (b: number) => [0x2001, "Philips Imaging DD 001", 0x1003, "FL", new Uint8Array(Float32Array.of(b).buffer)],
+    ],
+  ] as const)("is split by the private b-values of %s, which are sent as the standard element", async (_, own) => {
+    for (const syntax of ["1.2.840.10008.1.2.1", "1.2.840.10008.1.2"]) {
+      const made = phasesOf(3, (phase) => ({ syntax, privately: own(500 * phase) as MadeSlice["privately"] & object }));
+      expect(await judged(made)).toMatchObject({ phases: { kind: "b_value", count: 3, range: [0, 1000] } });
+      const { series } = await scanFiles(
+        made.map((blob, i) => new File([blob], String(i))),
+        () => undefined,
+        () => false,
+      );
+      const sent = await partBlobs(series[0]?.upload ?? expect.unreachable(), made);
+      expect(await judged(sent), "without the private elements").toMatchObject({
+        phases: { kind: "b_value", count: 3, range: [0, 1000] },
+      });
+      const last = new Uint8Array((await sent.at(-1)?.arrayBuffer()) ?? new ArrayBuffer());
+      expect(new TextDecoder("latin1").decode(last)).not.toMatch(/SIEMENS|GEMS|Philips/);
+    }
+  });
+
+  it("is not split by private elements of other creators", async () => {
+    const made = phasesOf(2, (phase) => ({ privately: [0x0019, "SOMEBODY", 0x100c, "IS", String(500 * phase)] }));
+    expect(await judged(made)).toMatchObject({ phases: { kind: "index" } });
+  });
+
   it("leaves out a phase that is incomplete", async () => {
     const blobs = phasesOf(6, (phase, z) => (phase === 5 && z > 8 ? null : { acquisitionTime: `1000${10 + phase}` }));
     expect(await judged(blobs)).toMatchObject({

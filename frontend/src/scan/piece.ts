@@ -45,10 +45,10 @@ export async function beginningOf(piece: Piece, most: number): Promise<Uint8Arra
 }
 
 /**
- * Streams bytes in small chunks, so that the stream is cancelled before its input, which may be cut
- * off, ends.
+ * Streams bytes in small chunks of the same size, so that a stream behind it can be cancelled before
+ * its input, which may be cut off, ends.
  */
-function inChunks(bytes: Uint8Array<ArrayBuffer>): ReadableStream<Uint8Array<ArrayBuffer>> {
+export function inChunks(bytes: Uint8Array<ArrayBuffer>): ReadableStream<Uint8Array<ArrayBuffer>> {
   let at = 0;
   return new ReadableStream({
     pull(controller) {

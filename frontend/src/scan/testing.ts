@@ -25,6 +25,8 @@ export interface MadeSlice {
   triggerTime?: number;
   echoTime?: number;
   bValue?: number;
+  /** Elements of a private group: its number, its creator, and an element of block 10 with its representation and value. */
+  privately?: readonly [group: number, creator: string, element: number, vr: string, value: string | Uint8Array];
   acquisitionTime?: string;
   instance?: number;
   paddingBytes?: number; // a private element of that length before the voxels
@@ -70,14 +72,18 @@ let counter = 0;
 
 export function makeSlice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
   const syntax = made.syntax ?? "1.2.840.10008.1.2.1";
-  const implicit = syntax === "1.2.840.10008.1.2";
   const rows = made.rows ?? 8;
   const columns = made.columns ?? 8;
   const e = (group: number, number: number, vr: string, value: string | Uint8Array) =>
-    element(group, number, vr, value, implicit);
+    element(group, number, vr, value, syntax === "1.2.840.10008.1.2");
   const position = made.position === undefined ? [0, 0, made.z ?? 0] : made.position;
   const orientation = made.orientation === undefined ? [1, 0, 0, 0, 1, 0] : made.orientation;
   const sopClass = made.sopClass ?? "1.2.840.10008.5.1.4.1.1.2";
+  const privateElements = (group: number) => {
+    if (made.privately?.[0] !== group) return [];
+    const [, creator, number, vr, value] = made.privately;
+    return [e(group, 0x0010, "LO", creator), e(group, number, vr, value)];
+  };
   const body = [
     e(0x0008, 0x0005, "CS", "ISO_IR 192"),
     e(0x0008, 0x0008, "CS", made.imageType ?? "ORIGINAL\\PRIMARY\\AXIAL"),
@@ -98,6 +104,7 @@ export function makeSlice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
     ...(made.bValue === undefined
       ? []
       : [e(0x0018, 0x9087, "FD", new Uint8Array(Float64Array.of(made.bValue).buffer))]),
+    ...privateElements(0x0019),
     e(0x0020, 0x000d, "UI", "1.2.4"),
     e(0x0020, 0x000e, "UI", made.seriesUid ?? "1.2.5"),
     e(0x0020, 0x0011, "IS", "3"),
@@ -117,14 +124,20 @@ export function makeSlice(made: MadeSlice = {}): Uint8Array<ArrayBuffer> {
     e(0x0028, 0x1051, "DS", "400"),
     e(0x0028, 0x1052, "DS", "-1024"),
     e(0x0028, 0x1053, "DS", "1"),
+    ...privateElements(0x0043),
+    ...privateElements(0x2001),
     e(0x7fe0, 0x0010, "OW", made.pixels ?? new Uint8Array(rows * columns * 2 * (made.frames ?? 1))),
   ];
-  if (made.preamble === "nothing") return concat(body);
+  return made.preamble === "nothing" ? concat(body) : asFile(body, sopClass, syntax, made.preamble === "none");
+}
+
+/** Returns a file of these elements with its group 2, and with or without its preamble. */
+function asFile(body: Uint8Array[], sopClass: string, syntax: string, bare: boolean): Uint8Array<ArrayBuffer> {
   const meta = [element(0x0002, 0x0002, "UI", sopClass), element(0x0002, 0x0010, "UI", syntax)];
   const length = meta.reduce((sum, part) => sum + part.length, 0);
   const lengthBytes = new Uint8Array(4);
   new DataView(lengthBytes.buffer).setUint32(0, length, true);
-  const start = made.preamble === "none" ? [] : [concat([new Uint8Array(128), new TextEncoder().encode("DICM")])];
+  const start = bare ? [] : [concat([new Uint8Array(128), new TextEncoder().encode("DICM")])];
   return concat([...start, element(0x0002, 0x0000, "UL", lengthBytes), ...meta, ...body]);
 }
 

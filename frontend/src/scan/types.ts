@@ -104,6 +104,8 @@ export interface UploadPlan {
   readonly tos: Float64Array<ArrayBuffer>;
   /** The content of deflated files, by index of the file. */
   readonly inflated: ReadonlyMap<number, Blob>;
+  /** Whether the parts form one file, which begins with the first header. */
+  readonly isOneFile: boolean;
 }
 
 export interface Patient {

@@ -3,7 +3,7 @@ import { pieceOf, wholeOf, type Piece } from "./piece";
 import type { UploadPart, UploadPlan } from "./types";
 
 /** Packs thousands of parts into a few buffers, so that a worker can hand them to the page quickly. */
-export function planOf(parts: readonly UploadPart[]): UploadPlan {
+export function planOf(parts: readonly UploadPart[], isOneFile = false): UploadPlan {
   const heads = new Uint8Array(parts.reduce((sum, { head }) => sum + head.length, 0));
   const headEnds = new Uint32Array(parts.length);
   let at = 0;
@@ -19,6 +19,7 @@ export function planOf(parts: readonly UploadPart[]): UploadPlan {
     froms: Float64Array.from(parts, ({ from }) => from),
     tos: Float64Array.from(parts, ({ to }) => to),
     inflated: new Map(parts.flatMap(({ file, inflated }) => (inflated ? [[file, inflated] as const] : []))),
+    isOneFile,
   };
 }
 
@@ -26,12 +27,21 @@ export function planOf(parts: readonly UploadPart[]): UploadPlan {
 export const buffersOf = ({ heads, headEnds, files, froms, tos }: UploadPlan): ArrayBuffer[] =>
   [heads, headEnds, files, froms, tos].map((array) => array.buffer);
 
-/** Returns the size of each part in bytes. */
-export const sizesOf = (plan: UploadPlan): number[] =>
-  Array.from(plan.files, (_, i) => headOf(plan, i).length + spanOf(plan, i));
+/** Returns the parts of a plan, of which `planOf` makes the same plan. */
+export const partsOf = (plan: UploadPlan): UploadPart[] =>
+  Array.from(plan.files, (file, i) => {
+    const from = plan.froms[i] ?? 0;
+    return { file, head: headOf(plan, i), from, to: from + spanOf(plan, i), inflated: plan.inflated.get(file) ?? null };
+  });
+
+/** Returns the size of each file in bytes. */
+export function sizesOf(plan: UploadPlan): number[] {
+  const sizes = Array.from(plan.files, (_, i) => headOf(plan, i).length + spanOf(plan, i));
+  return plan.isOneFile ? [sizes.reduce((sum, size) => sum + size, 0)] : sizes;
+}
 
 /**
- * Returns the contents of the parts, which are read only when they are sent, unless an archive compresses them.
+ * Returns the contents of the files, which are read only when they are sent, unless an archive compresses them.
  * `unpacked`: ScanResult.unpacked. Works in steps, because each part costs about one millisecond. Throws DamagedPiece.
  */
 export async function partBlobs(
@@ -49,7 +59,7 @@ export async function partBlobs(
     if (source) blobs.push(new Blob([headOf(plan, i), source.slice(from, from + spanOf(plan, i))]));
     await pause();
   }
-  return blobs;
+  return plan.isOneFile ? [new Blob(blobs)] : blobs;
 }
 
 const headOf = ({ heads, headEnds }: UploadPlan, i: number) => heads.subarray(headEnds[i - 1] ?? 0, headEnds[i]);

@@ -12,19 +12,42 @@ import { within } from "./numbers";
 /** The label number of voxels that belong to no label. */
 export const unlabelled = 0;
 
-/** The label number of the brain that the server has found (kBrainNumber in volume/labels.h). */
-export const brain = 0xffffff04;
+/** The label numbers of the parts that the server finds (kFoundParts in volume/labels.h). */
+export const foundParts = {
+  brain: 0xffffff04,
+  bone: 0xffffff05,
+  lungs: 0xffffff06,
+  airways: 0xffffff07,
+  vessels: 0xffffff08,
+} as const;
+export type FoundPart = keyof typeof foundParts;
+
+/** Returns which part the server has found under this number, or undefined if somebody has marked the label. */
+export const foundPart = (number: number): FoundPart | undefined =>
+  (Object.keys(foundParts) as FoundPart[]).find((part) => foundParts[part] === number);
+
+/** The look that shows the matter of each part best. */
+export const lookOfPart: Readonly<Record<FoundPart, string>> = {
+  brain: "brain",
+  bone: "bone",
+  lungs: "airways",
+  airways: "airways",
+  vessels: "vessels",
+};
 
 /** Returns the colour that the file of labels suggests. */
 export const suggestedColour = ({ colour }: Pick<Label, "colour">): Rgb =>
   rgbOf(`#${colour.toString(16).padStart(6, "0")}`);
 
-export const lookOf = (scene: Scene, number: number): LabelLook | undefined =>
+/** What this file reads of a scene. */
+export type Looks = Pick<Scene, "labels">;
+
+export const lookOf = (scene: Looks, number: number): LabelLook | undefined =>
   scene.labels.find((look) => look.number === number);
 
-export const opacityOf = (scene: Scene, number: number): number => lookOf(scene, number)?.opacity ?? 1;
+export const opacityOf = (scene: Looks, number: number): number => lookOf(scene, number)?.opacity ?? 1;
 export const isShown = (scene: Scene, number: number): boolean => opacityOf(scene, number) > 0;
-export const isSolo = (scene: Scene, number: number): boolean => lookOf(scene, number)?.solo ?? false;
+export const isSolo = (scene: Looks, number: number): boolean => lookOf(scene, number)?.solo ?? false;
 
 /** Changes the look of one label. A look that changes nothing is left out. */
 function withLook(scene: Scene, number: number, edit: (look: LabelLook) => LabelLook): Scene {
@@ -86,5 +109,5 @@ export const setColoured = (scene: Scene, labels: readonly Label[], coloured: bo
   );
 
 /** Returns the colour of a label in a list: its own, or the one that its file suggests. */
-export const shownColour = (scene: Scene, label: Label): string =>
+export const shownColour = (scene: Looks, label: Label): string =>
   hexOf(lookOf(scene, label.number)?.colour ?? suggestedColour(label));

@@ -7,6 +7,12 @@ export function valuesOf(bytes: Uint8Array, columns: number, rows: number): Int1
   return values;
 }
 
+/** Checks an inflated ExactSlice.labels. @throws if it has a different size. */
+export function labelsOf(bytes: Uint8Array<ArrayBuffer>, columns: number, rows: number): Uint8Array<ArrayBuffer> {
+  if (bytes.length !== columns * rows) throw new Error("labels of another size");
+  return bytes;
+}
+
 /** Inflates zlib data with the browser's own decoder. @throws on invalid data. */
 export async function inflate(data: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {
   const stream = new Blob([data]).stream().pipeThrough(new DecompressionStream("deflate"));

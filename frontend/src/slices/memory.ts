@@ -1,5 +1,6 @@
 import { isNumber, isPoint, type Vec3 } from "../input/vec3";
 import { clamp } from "../scene/numbers";
+import { firstLabels, type LabelSetting } from "./label_overlay";
 import { isWhole, measureKinds, type Measure, type MeasureKind } from "./measure";
 import { slabFrom, tiltFrom, type Slab, type Tilt } from "./oblique";
 import { planes, type Plane } from "./stack";
@@ -22,6 +23,7 @@ export interface RememberedSlices {
   readonly measures: readonly Measure[];
   readonly smooth: boolean;
   readonly overlay: OverlaySetting;
+  readonly labels: LabelSetting;
   readonly tilt: Tilt | null;
   readonly slab: Slab;
 }
@@ -50,6 +52,12 @@ function overlayFrom(value: unknown): OverlaySetting {
   return { shown: one?.shown === true, strength };
 }
 
+function labelsFrom(value: unknown): LabelSetting {
+  const one = value as Partial<Record<keyof LabelSetting, unknown>> | null | undefined;
+  const strength = isNumber(one?.strength) ? clamp(one.strength, 0, 1) : firstLabels.strength;
+  return { shown: typeof one?.shown === "boolean" ? one.shown : null, strength };
+}
+
 export const slicesToText = (slices: RememberedSlices): string =>
   JSON.stringify({ ...slices, measures: slices.measures.filter(isWhole).slice(-mostRemembered) });
 
@@ -69,6 +77,7 @@ export function slicesFromText(text: string | null): RememberedSlices | null {
       measures: value.measures,
       smooth: value.smooth !== false,
       overlay: overlayFrom(value.overlay),
+      labels: labelsFrom(value.labels),
       tilt: tiltFrom(value.tilt),
       slab: slabFrom(value.slab),
     };

@@ -4,6 +4,7 @@ import { vec3 } from "../input/vec3";
 import { rgb } from "../scene/colour";
 import { someScene } from "../scene/testing";
 import { slicesFromText, slicesToText } from "./memory";
+import { noSources } from "./sources";
 import { Slices } from "./model";
 import type { WantedSlice } from "./store";
 import { placeOf } from "./stack";
@@ -146,11 +147,7 @@ describe("the slices of a scan", () => {
   });
   it("have the look's colours if they are shown, also after the look has changed", () => {
     const look = signal(someScene().transferFunction ?? null);
-    const slices = new Slices(
-      () => undefined,
-      null,
-      () => look.value,
-    );
+    const slices = new Slices(() => undefined, null, { ...noSources, look: () => look.value });
     slices.configured([axial, sagittal, coronal], header);
     const red = () => (slices.table.value[55] ?? 0) & 255;
     const blue = () => ((slices.table.value[55] ?? 0) >> 16) & 255;
@@ -260,8 +257,10 @@ describe("the slices of a scan", () => {
     again.allow("whole");
     expect(again.tilt.value).toEqual(slices.tilt.value);
     expect(again.slab.value).toEqual(slices.slab.value);
+    slices.labels.value = { shown: true, strength: 0.75 };
     const follower = begun();
     follower.follow(slices.presented());
+    expect(follower.labels.value.shown, "the presenter's scan has no labels").toBe(false);
     expect(follower.tilt.value).toEqual(slices.tilt.value);
     expect(follower.slab.value).toEqual(slices.slab.value);
     follower.unfollow();

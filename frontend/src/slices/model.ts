@@ -2,6 +2,7 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { add, scale, vec3, type Vec3 } from "../input/vec3";
 import { clamp } from "../scene/numbers";
 import { inflate } from "./coding";
+import { firstLabels, labelTable, showsLabels, type LabelSetting } from "./label_overlay";
 import { lookColours } from "./look_colours";
 import {
   handleNear,
@@ -21,9 +22,11 @@ import { firstOverlay, type OverlaySetting, type RememberedSlices } from "./memo
 import { noSlab, obliqueStack, slabLimits, straightTilt, turned, type Slab, type Tilt } from "./oblique";
 import { carried, wholeSlice, type Placing } from "./placing";
 import { joined, mostPresented, type PresentedSlices, type Shown } from "./presented";
-import type { TransferFunction } from "../protocol/gen/api/proto/scene_pb";
-import { heldWithin, inSlice, pixelOf, planes, type Plane, type Stack } from "./stack";
-import { SliceStore, type Coming, type StoreParts } from "./store";
+import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
+import { heldWithin, inSlice, offsetOf, pixelOf, planes, type Plane, type Stack } from "./stack";
+import { SecondOverlay, type SecondValue } from "./second_overlay";
+import { noSources, type SliceSources } from "./sources";
+import { SliceStore, type Coming, type StoreParts, type Voxels } from "./store";
 import { bounded, firstWindow, tableOf, type Window } from "./window";
 
 /** The tools for the left button or one finger. */
@@ -79,6 +82,10 @@ export class Slices {
   readonly smooth = signal(true);
   /** Whether the colours of the look cover the grey, and how much. */
   readonly overlay = signal<OverlaySetting>(firstOverlay);
+  /** Whether the colours of the labels cover the grey, and how much. */
+  readonly labels = signal<LabelSetting>(firstLabels);
+  /** The number of the label that is chosen in the list, or was pressed in a slice. */
+  readonly chosenLabel = signal<number | null>(null);
   /** The point under the pointer. */
   readonly pointed = signal<{ readonly plane: Plane; readonly place: Vec3 } | null>(null);
   /** Increases with every slice that arrives. */
@@ -95,7 +102,7 @@ export class Slices {
     return this.narrow.value && this.shown.value === "four" ? "axial" : this.shown.value;
   });
   readonly pictureShown = computed(() => this.view.value === "picture" || this.view.value === "four");
-  private readonly transfer = computed(() => this.look());
+  private readonly transfer = computed(() => this.sources.look());
   private readonly colours = computed(() => (this.transfer.value ? lookColours(this.transfer.value) : null));
   /** The colour of every 16-bit value. */
   readonly table = computed(() => {
@@ -103,6 +110,19 @@ export class Slices {
     const colours = shown ? this.colours.value : null;
     return tableOf(this.window.value, colours && { colours, strength });
   });
+
+  private readonly labelList = computed(() => this.sources.labels());
+  private readonly labelLooks = computed(() => this.sources.looks());
+  /** Whether the scan has labels, and whether slices show their colours. */
+  readonly hasLabels = computed(() => this.labelList.value.length > 0);
+  readonly labelsShown = computed(() => showsLabels(this.labels.value, this.labelList.value));
+  /** The colour of each label's place, or null while labels are not shown. */
+  readonly labelTable = computed(() =>
+    this.labelsShown.value ? labelTable(this.labelList.value, this.labelLooks.value, this.labels.value.strength) : null,
+  );
+
+  /** The second scan of the session over the first. */
+  readonly second: SecondOverlay;
 
   private readonly store: SliceStore;
   private readonly stopEffect: () => void;
@@ -117,14 +137,14 @@ export class Slices {
   private presentedMeasures: readonly Measure[] = [];
 
   /**
-   * Creates the state. `before` is restored if it belongs to the volume. `look` reads the signal of
-   * the scene.
+   * Creates the state. `before` is restored if it belongs to the volume.
    */
   constructor(
     ask: StoreParts["ask"],
     private before: RememberedSlices | null = null,
-    private readonly look: () => TransferFunction | null = () => null,
+    private readonly sources: SliceSources = noSources,
   ) {
+    this.second = new SecondOverlay(sources.second);
     this.store = new SliceStore({
       ask,
       inflate,
@@ -195,19 +215,33 @@ export class Slices {
 
   /** Returns the values of the slice at the crosshair, or null until they have arrived. */
   values(stack: Stack): Int16Array<ArrayBuffer> | null {
+    return this.voxels(stack)?.values ?? null;
+  }
+
+  private voxels(stack: Stack): Voxels | null {
     const { plane, oblique } = stack;
     return this.received.value >= 0 ? this.store.get({ plane, index: this.index(stack), oblique: oblique?.id }) : null;
   }
 
   /** Returns what is drawn: the slice, or while it is turned and has not arrived, the one before. */
-  drawnValues(stack: Stack): Int16Array<ArrayBuffer> | null {
+  drawnVoxels(stack: Stack): Voxels | null {
     const before = () => this.store.newestOblique(stack.plane, stack.columns * stack.rows);
-    return this.values(stack) ?? (stack.oblique ? before() : null);
+    return this.voxels(stack) ?? (stack.oblique ? before() : null);
+  }
+
+  /** Returns the label at a point of the shown slice, also while its colour is not shown. */
+  labelAt(stack: Stack, place: Vec3): Label | null {
+    const found = this.voxels(stack)?.labels?.[offsetOf(stack, place)] ?? 0;
+    return this.labelList.value[found - 1] ?? null;
+  }
+
+  /** Returns the value of the second scan at a point of the shown slice, or null outside of that scan. */
+  secondAt(stack: Stack, place: Vec3): SecondValue | null {
+    return this.second.valueOf(this.voxels(stack)?.second?.[offsetOf(stack, place)]);
   }
 
   valueAt(stack: Stack, place: Vec3): number | null {
-    const { column, row } = pixelOf(stack, place);
-    return this.values(stack)?.[row * stack.columns + column] ?? null;
+    return this.values(stack)?.[offsetOf(stack, place)] ?? null;
   }
 
   scroll(stack: Stack, by: number): void {
@@ -340,6 +374,7 @@ export class Slices {
       measures: this.measures.value,
       smooth: this.smooth.value,
       overlay: this.overlay.value,
+      labels: this.labels.value,
       tilt: this.tilt.value,
       slab: this.slab.value,
     };
@@ -354,6 +389,7 @@ export class Slices {
       window: this.window.value,
       smooth: this.smooth.value,
       overlay: shown ? strength : 0,
+      labels: this.labelsShown.value ? this.labels.value.strength : 0,
       tilt: this.tilt.value,
       slab: this.slab.value,
       placings: this.placings.value,
@@ -388,6 +424,7 @@ export class Slices {
       this.setWindow(presented.window);
       this.smooth.value = presented.smooth;
       this.overlay.value = { shown: presented.overlay > 0, strength: presented.overlay || firstOverlay.strength };
+      this.labels.value = { shown: presented.labels > 0, strength: presented.labels || firstLabels.strength };
       this.tilt.value = presented.tilt;
       this.slab.value = presented.slab;
       this.placings.value = presented.placings;
@@ -432,7 +469,7 @@ export class Slices {
     this.following.value = false;
   }
 
-  private restore({ open, crosshair, window, measures, smooth, overlay, tilt, slab }: RememberedSlices): void {
+  private restore({ open, crosshair, window, measures, smooth, overlay, labels, tilt, slab }: RememberedSlices): void {
     this.tilt.value = tilt;
     this.slab.value = slab;
     const axial = this.stacks.value.get("axial");
@@ -441,6 +478,7 @@ export class Slices {
     this.measures.value = measures;
     this.smooth.value = smooth;
     this.overlay.value = overlay;
+    this.labels.value = labels;
     this.open.value = open;
   }
 

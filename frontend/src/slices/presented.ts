@@ -17,6 +17,8 @@ export interface PresentedSlices {
   readonly smooth: boolean;
   /** Opacity of the look's colours over the grey, from 0 to 1. */
   readonly overlay: number;
+  /** Opacity of the labels' colours over the grey, from 0 to 1. */
+  readonly labels: number;
   readonly tilt: Tilt | null;
   readonly slab: Slab;
   readonly placings: Readonly<Partial<Record<Plane, Placing>>>;

@@ -65,6 +65,12 @@ export function pixelOf(stack: Stack, place: Vec3): Spot {
   };
 }
 
+/** Returns the index of a point's pixel in the values of its slice. */
+export function offsetOf(stack: Stack, place: Vec3): number {
+  const { column, row } = pixelOf(stack, place);
+  return row * stack.columns + column;
+}
+
 /** Returns the same point in another slice of the stack, limited to the existing slices. */
 export function inSlice(stack: Stack, place: Vec3, slice: number): Vec3 {
   return placeOf(stack, { ...spotOf(stack, place), slice: nearestIndex(slice, stack.slices) });

@@ -66,9 +66,27 @@ describe("the slice store", () => {
     ]);
     await store.receive(coming(1, 3));
     expect(received).toEqual([{ plane: "axial", index: 3 }]);
-    expect([...(store.get({ plane: "axial", index: 3 }) ?? [])]).toEqual([1, -2, 32767, -32768]);
+    expect([...(store.get({ plane: "axial", index: 3 })?.values ?? [])]).toEqual([1, -2, 32767, -32768]);
     frame();
     expect(asked[1]).toEqual({ lacking: [{ plane: "coronal", index: 7 }], taken: 1n });
+  });
+  it("keeps the labels of a slice, and none of a slice without them", async () => {
+    const { store, damaged } = world();
+    await store.receive(coming(1, 3, { labels: new Uint8Array([0, 2, 255, 1]) }));
+    expect([...(store.get({ plane: "axial", index: 3 })?.labels ?? [])]).toEqual([0, 2, 255, 1]);
+    await store.receive(coming(2, 4));
+    expect(store.get({ plane: "axial", index: 4 })?.labels).toBeNull();
+    await store.receive(coming(3, 5, { labels: new Uint8Array(3) }));
+    expect(damaged()).toBe(1);
+  });
+  it("keeps the values of the second scan, and none of a session with one scan", async () => {
+    const { store, damaged } = world();
+    await store.receive(coming(1, 3, { second: new Uint8Array([5, 6, 7, 8, 0, 0, 0, 128]) }));
+    expect([...(store.get({ plane: "axial", index: 3 })?.second ?? [])]).toEqual([5, 6, 7, -32760]);
+    await store.receive(coming(2, 4));
+    expect(store.get({ plane: "axial", index: 4 })?.second).toBeNull();
+    await store.receive(coming(3, 5, { second: new Uint8Array(4) }));
+    expect(damaged()).toBe(1);
   });
   it("does not request cached slices again", async () => {
     const { store, asked, frame } = world();

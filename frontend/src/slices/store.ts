@@ -1,4 +1,4 @@
-import { valuesOf } from "./coding";
+import { labelsOf, valuesOf } from "./coding";
 import { planes, type Plane, type Stack } from "./stack";
 
 export interface SliceId {
@@ -19,7 +19,22 @@ export interface Coming extends SliceId {
   readonly columns: number;
   readonly rows: number;
   readonly data: Uint8Array<ArrayBuffer>;
+  /** The values of the second scan, if the session has one. */
+  readonly second?: Uint8Array<ArrayBuffer>;
+  /** The places of the pixels' labels. Absent if no pixel has one. */
+  readonly labels?: Uint8Array<ArrayBuffer>;
 }
+
+export interface Voxels {
+  readonly values: Int16Array<ArrayBuffer>;
+  /** The values of the second scan at the same pixels, or null if there is none. */
+  readonly second: Int16Array<ArrayBuffer> | null;
+  /** The place of each voxel's label in the list of labels, from 1, or null if none has one. */
+  readonly labels: Uint8Array<ArrayBuffer> | null;
+}
+
+const bytesOf = (voxels: Voxels | undefined): number =>
+  voxels ? voxels.values.byteLength + (voxels.second?.byteLength ?? 0) + (voxels.labels?.byteLength ?? 0) : 0;
 
 export interface StoreParts {
   /** Requests the missing slices and reports how many have arrived. */
@@ -41,9 +56,9 @@ const key = ({ plane, index, oblique }: SliceId): string => `${plane} ${index} $
 export class SliceStore {
   private readonly shown = new Map<Plane, WantedSlice>();
   /** The newest oblique slice of each plane. */
-  private readonly newest = new Map<Plane, Int16Array<ArrayBuffer>>();
+  private readonly newest = new Map<Plane, Voxels>();
   /** Cached slices, the least recently used first. */
-  private readonly kept = new Map<string, Int16Array<ArrayBuffer>>();
+  private readonly kept = new Map<string, Voxels>();
   private readonly beingRead = new Set<string>();
   private bytes = 0;
   private taken = 0n;
@@ -63,22 +78,22 @@ export class SliceStore {
     if (this.lacking().length > 0) this.plan();
   }
 
-  get(slice: SliceId): Int16Array<ArrayBuffer> | null {
+  get(slice: SliceId): Voxels | null {
     const name = key(slice);
-    const values = this.kept.get(name);
-    if (!values) return null;
+    const voxels = this.kept.get(name);
+    if (!voxels) return null;
     this.kept.delete(name);
-    this.kept.set(name, values);
-    return values;
+    this.kept.set(name, voxels);
+    return voxels;
   }
 
   /**
    * Returns the newest oblique slice of a plane, which is shown until the next one arrives, so that a view that is turned
    * does not flicker.
    */
-  newestOblique(plane: Plane, pixels: number): Int16Array<ArrayBuffer> | null {
-    const values = this.newest.get(plane);
-    return values?.length === pixels ? values : null;
+  newestOblique(plane: Plane, pixels: number): Voxels | null {
+    const voxels = this.newest.get(plane);
+    return voxels?.values.length === pixels ? voxels : null;
   }
 
   /** Notes a new connection, on which sequence numbers restart. Slices in transit are lost. */
@@ -105,9 +120,12 @@ export class SliceStore {
     this.beingRead.add(key(slice));
     this.plan();
     try {
-      const values = valuesOf(await this.parts.inflate(slice.data), slice.columns, slice.rows);
+      const { columns, rows } = slice;
+      const values = valuesOf(await this.parts.inflate(slice.data), columns, rows);
+      const second = slice.second ? valuesOf(await this.parts.inflate(slice.second), columns, rows) : null;
+      const labels = slice.labels ? labelsOf(await this.parts.inflate(slice.labels), columns, rows) : null;
       if (connection !== this.connection) return;
-      this.keep(slice, values);
+      this.keep(slice, { values, second, labels });
       this.beingRead.delete(key(slice));
       this.parts.received({ plane: slice.plane, index: slice.index });
     } catch {
@@ -132,16 +150,16 @@ export class SliceStore {
     });
   }
 
-  private keep(slice: SliceId, values: Int16Array<ArrayBuffer>): void {
-    this.bytes += values.byteLength - (this.kept.get(key(slice))?.byteLength ?? 0);
-    this.kept.set(key(slice), values);
-    if (slice.oblique) this.newest.set(slice.plane, values);
+  private keep(slice: SliceId, voxels: Voxels): void {
+    this.bytes += bytesOf(voxels) - bytesOf(this.kept.get(key(slice)));
+    this.kept.set(key(slice), voxels);
+    if (slice.oblique) this.newest.set(slice.plane, voxels);
     const shown = new Set([...this.shown.values()].map(key));
     for (const [name, old] of this.kept) {
       if (this.bytes <= mostBytes) break;
       if (shown.has(name) || name === key(slice)) continue;
       this.kept.delete(name);
-      this.bytes -= old.byteLength;
+      this.bytes -= bytesOf(old);
     }
   }
 }

@@ -25,7 +25,7 @@ export function studyPlace(api: Api, participation: Participation, step: ViewSte
   return {
     key,
     data_set_id: null,
-    pictured_id: null,
+    lookPictures: null,
     isVisit: false,
     savedMarks: null,
     ticketSource,

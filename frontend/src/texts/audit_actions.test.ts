@@ -10,7 +10,8 @@ const sources = (folder: string) =>
     .map((name) => readFileSync(new URL(folder + name, root), "utf8"));
 
 test("each action in the server's audit log has a text in each language", () => {
-  const action = /["']((?:accounts?|administrator|audit-log|data-set|preset|reports?)\.[a-z-]+)["']/g;
+  const action =
+    /["']((?:accounts?|administrator|archive(?:-access)?|audit-log|data-set|preset|reports?)\.[a-z-]+)["']/g;
   const texts = ["api/", "ingest/pipeline/"].flatMap(sources);
   const names = [...new Set(texts.flatMap((text) => [...text.matchAll(action)].map(([, name]) => name ?? "")))].sort();
   expect(names.length).toBeGreaterThan(20);

@@ -1,9 +1,11 @@
 import type { Texts } from "./shape";
 import { account } from "./de/account";
 import { add } from "./de/add";
+import { archive } from "./de/archive";
 import { apiTokens } from "./de/api_tokens";
 import { admin } from "./de/admin";
 import { common } from "./de/common";
+import { compare } from "./de/compare";
 import { consent } from "./de/consent";
 import { cut } from "./de/cut";
 import { home } from "./de/home";
@@ -36,7 +38,9 @@ export const de: Texts = {
   account,
   add,
   apiTokens,
+  archive,
   admin,
+  compare,
   consent,
   cut,
   home,

@@ -49,6 +49,11 @@ export class SceneEditor {
   readonly steps = signal<History<Scene>>(nothingYet);
   /** The scene at the start of the session: the look that the scan's owner chose, or the volume's default. */
   readonly begun = signal<Scene | null>(null);
+  /**
+   * Called after each edit, so that a linked picture can follow. `rest`: no further edit follows at
+   * once. Changes by the server, or for a window of another shape, are not edits.
+   */
+  edited: (rest: boolean) => void = () => undefined;
 
   constructor(private readonly parts: EditorParts) {}
 
@@ -75,13 +80,13 @@ export class SceneEditor {
     const first = (untouched && config.scene && this.parts.firstScene?.(config.scene)) ?? null;
     if (first) {
       this.begun.value = first;
-      this.setScene(this.framed(first), null, true);
+      this.showAndSend(this.framed(first), true);
       return true;
     }
     const { width, height } = this.parts.canvasSize();
     const home = untouched && width < height ? this.home() : null;
     if (!home || !config.scene) return false;
-    this.setScene(withCamera(config.scene, home), null, true);
+    this.showAndSend(withCamera(config.scene, home), true);
     return true;
   }
 
@@ -109,6 +114,7 @@ export class SceneEditor {
   rest(): void {
     this.steps.value = rested(this.steps.value);
     this.parts.rest();
+    if (this.parts.leads()) this.edited(true);
   }
 
   undo(): void {
@@ -135,7 +141,7 @@ export class SceneEditor {
   }
 
   /**
-   * Applies a look but keeps the cuts, the slices, the phase, what the user has changed about labels
+   * Applies a look but keeps the cuts, the slices, the second scan, the phase, what the user has changed about labels
    * and whether the table is shown. The camera stays once somebody has moved it. Until then, the look
    * brings its own, because the look of a part is framed on that part.
    */
@@ -146,6 +152,7 @@ export class SceneEditor {
       ...(now?.camera && !this.isHome() ? { camera: now.camera } : {}),
       ...(now?.clip ? { clip: now.clip } : {}),
       ...(now?.slices ? { slices: now.slices } : {}),
+      ...(now?.overlay ? { overlay: now.overlay } : {}),
       ...(now
         ? {
             showTable: now.showTable,
@@ -192,7 +199,7 @@ export class SceneEditor {
     if (!scene || !this.parts.leads()) return false;
     const fitted = (one: Scene) => reframed(one, before, after);
     if (fitted(scene) === scene) return false;
-    this.setScene(fitted(scene), null, true);
+    this.showAndSend(fitted(scene), true);
     const { past, future, open } = this.steps.value;
     this.steps.value = { past: past.map(fitted), future: future.map(fitted), open };
     return true;
@@ -268,6 +275,12 @@ export class SceneEditor {
     if (!this.parts.leads()) return; // a follower cannot edit
     const before = this.scene.value;
     if (change && before) this.steps.value = changed(this.steps.value, before, { ...change, nowMs: performance.now() });
+    this.showAndSend(scene, rest);
+    this.edited(rest);
+  }
+
+  private showAndSend(scene: Scene, rest: boolean): void {
+    if (!this.parts.leads()) return;
     this.scene.value = scene;
     this.parts.send(scene, rest);
   }

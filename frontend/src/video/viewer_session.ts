@@ -1,4 +1,4 @@
-/* eslint max-lines: ["error", 520] */
+/* eslint max-lines: ["error", 513] */
 import { computed, effect, signal } from "@preact/signals";
 import type { Area, Point } from "../input/flat";
 import { Collaboration } from "../live/collaboration";
@@ -8,7 +8,7 @@ import type { MarkLibrary } from "../marks/library";
 import { Marks } from "../marks/marks";
 import { marksFromText, marksToText } from "../marks/memory";
 import { after } from "../live/paced";
-import type { Place } from "../live/place";
+import type { LookPictures, Place } from "../live/place";
 import { roleOf } from "../live/role";
 import type { Answered } from "../protocol/depth_queries";
 import {
@@ -17,7 +17,7 @@ import {
   encodeKernelQuery,
   type KernelReport,
 } from "../protocol/file_messages";
-import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
+import type { Labels_Label as Label, SecondVolume } from "../protocol/gen/api/proto/stream_pb";
 import { encodeHand } from "../protocol/mark_messages";
 import { openBrowserSocket, probeServer } from "../protocol/browser_socket";
 import { forVisit } from "../protocol/visit_socket";
@@ -37,12 +37,15 @@ import {
 } from "../protocol/messages";
 import { effortFrom, effortText, fullEffort, type Effort } from "../scene/effort";
 import { slicesFromText, slicesToText } from "../slices/memory";
+import { sourcesOf } from "../slices/sources";
 import { Slices } from "../slices/model";
 import type { Part } from "../scene/parts";
 import { StreamClient } from "../protocol/stream_client";
 import type { StreamEvents } from "../protocol/stream_events";
 import { t } from "../texts";
 import { tab } from "../storage";
+import { AnswerWatch } from "./answer_watch";
+import { CurveRequest } from "./curve_request";
 import { ResizeDebouncer } from "./canvas_size";
 import type { Painter } from "./painter";
 import { pictureIn } from "./picture_in";
@@ -60,8 +63,6 @@ const effortKey = "diaphane.effort";
 /** The longest side of a picture that the protocol allows. */
 const longestSide = 4096;
 const rememberedEveryMs = 250;
-const curveWithinMs = 2000;
-const curveEveryMs = 400;
 
 /** One viewer's connection to a data set, with its pictures and the editor of its scene. Independent of any view. */
 export class ViewerSession {
@@ -71,6 +72,8 @@ export class ViewerSession {
   /** The kernel that renders the picture, after a request. */
   readonly kernel = signal<KernelReport | null>(null);
   readonly volume = signal<VolumeHeader | null>(null);
+  /** The scan that is shown over this one, if any. */
+  readonly second = signal<SecondVolume | null>(null);
   /** How pictures differ from the stored scan. */
   readonly treatment = signal<Treatment | null>(null);
   /** The histogram of the volume, if the worker has sent it. */
@@ -109,6 +112,17 @@ export class ViewerSession {
     firstScene: (scene) => this.place.firstScene?.(scene) ?? null,
   });
 
+  private readonly inputs = {
+    sentInput: () => this.client.inputSeq,
+    shownInput: () => this.pictures.picture.peek()?.inputSeq ?? 0,
+    nowMs: () => performance.now(),
+    after,
+  };
+  readonly answers = new AnswerWatch({ ...this.inputs, isOwed: () => this.client.isOwedPictures });
+
+  /** Asks for the whole curve of the view, which has passes that were never shown. It replaces that of the pictures. */
+  readonly curve = new CurveRequest(() => this.client.say(encodeCurveQuery()), this.inputs.nowMs);
+
   /** Standard views and "Show me around". */
   readonly guide = new GuidedCamera({
     editor: this.editor,
@@ -116,9 +130,7 @@ export class ViewerSession {
     canvasSize: () => this.canvasSize,
     presents: () => roleOf(this.audience.peek()).presents,
     askForViews: () => this.client.say(encodeGoodViewsQuery()),
-    sentInput: () => this.client.inputSeq,
-    shownInput: () => this.pictures.picture.peek()?.inputSeq ?? 0,
-    after,
+    ...this.inputs,
   });
 
   /** The phases of the scan. */
@@ -126,7 +138,7 @@ export class ViewerSession {
     editor: this.editor,
     leads: () => this.client.leads && roleOf(this.audience.peek()).presents,
     nextFrame: (task) => requestAnimationFrame(task),
-    nowMs: () => performance.now(),
+    nowMs: this.inputs.nowMs,
   });
 
   private readonly sharedMarks: SharedMarks;
@@ -135,12 +147,10 @@ export class ViewerSession {
   private readonly resizeDebouncer: ResizeDebouncer;
   private currentSessionId: string | null;
   private canvasSize: Viewport;
-  private curveRequestedMs = -Infinity;
   private followed = false;
   /** The size of the presenter's picture, once this viewer has followed. */
   private presentersSize: Viewport | null = null;
   private remembering: ReturnType<typeof setTimeout> | undefined;
-  private curveCame: () => void = () => undefined;
 
   constructor(
     private readonly place: Place,
@@ -153,12 +163,12 @@ export class ViewerSession {
     this.slices = new Slices(
       (lacking, taken) => this.client.wantSlices(lacking, taken),
       slicesFromText(tab.getItem(slicesKey(place.key))),
-      () => this.editor.scene.value?.transferFunction ?? null,
+      sourcesOf(() => this.editor.scene.value, this.labels, this.second),
     );
     this.currentSessionId = before.session_id;
     this.canvasSize = withinBounds(size, longestSide);
     this.painter.resize(this.canvasSize);
-    const nowMs = () => performance.now();
+    const { nowMs } = this.inputs;
     this.client = new StreamClient(
       {
         ticketSource: place.ticketSource(before.session_id, (id) => (this.currentSessionId = id)),
@@ -203,6 +213,7 @@ export class ViewerSession {
 
   start(): void {
     this.client.start();
+    this.answers.start();
   }
 
   /** Releases the worker's slot when the user leaves the page, and remembers the view. */
@@ -212,6 +223,7 @@ export class ViewerSession {
     this.currentSessionId = null;
     this.remember();
     this.stopWatching();
+    this.answers.stop();
     this.guide.close();
     this.phases.close();
     this.client.stop();
@@ -227,9 +239,9 @@ export class ViewerSession {
     return this.place.data_set_id;
   }
 
-  /** Returns the ID of the scan whose pictures may be loaded, or null. */
-  get picturedId(): string | null {
-    return this.place.pictured_id;
+  /** Returns the pictures of the looks, or null if this person gets none. */
+  get lookPictures(): LookPictures | null {
+    return this.place.lookPictures;
   }
 
   get sessionId(): string | null {
@@ -277,21 +289,6 @@ export class ViewerSession {
    */
   askForKernel(): void {
     this.client.say(encodeKernelQuery());
-  }
-
-  /**
-   * Asks the worker for the whole curve of the current view, which has passes that were never shown. It replaces the
-   * curve of the pictures. Resolves with the answer, or without one after a while. Does not ask for a curve that is
-   * hardly older, because the worker refuses more than four requests per second.
-   */
-  async refreshCurve(): Promise<void> {
-    const nowMs = performance.now();
-    if (nowMs - this.curveRequestedMs < curveEveryMs || !this.client.say(encodeCurveQuery())) return;
-    this.curveRequestedMs = nowMs;
-    await new Promise<void>((resolve) => {
-      this.curveCame = resolve;
-      setTimeout(resolve, curveWithinMs);
-    });
   }
 
   /** Moves this viewer's pointer. `at` is in CSS pixels from the top left of the canvas, whose size is `area`. */
@@ -430,6 +427,7 @@ export class ViewerSession {
       stats: (stats) => (this.samplesPerSecond.value = stats.samplesPerSecond),
       problem: ({ field, message, inputSeq }) => {
         if (inputSeq > 0n) this.phases.pause(); // a phase that cannot be shown would be refused again and again
+        this.answers.refuse(Number(inputSeq));
         this.pictures.beginWith(0); // the first input may be the refused one
         if (field === "good_views") this.guide.tour.receive(null);
         if (field.startsWith("own_camera")) this.ownView.refused();
@@ -441,7 +439,7 @@ export class ViewerSession {
       kernel: (report) => (this.kernel.value = report),
       errorCurve: (curve) => {
         this.pictures.takeCurve(curve);
-        this.curveCame();
+        this.curve.answered();
       },
       shared: (shared) => {
         this.collaboration.receive(shared);
@@ -481,6 +479,7 @@ export class ViewerSession {
     this.device.value = config.device;
     this.kernel.value = null;
     this.volume.value = config.volume ?? null;
+    this.second.value = config.second ?? null;
     this.phases.configured(config.volume?.phases ?? []);
     this.treatment.value = config.treatment ?? null;
     this.slices.configured(stacksOf(config.sliceStacks), config.volume);

@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { scanInWorker } from "../scan/scan_client";
 import type { ScanResult } from "../scan/types";
 import { t } from "../texts";
+import { ArchivePanel } from "./archive/archive_panel";
 import { Icon } from "./icons";
 import { SeriesList } from "./series_list";
 import { takeFilesForAdd } from "./files_for_add";
@@ -55,6 +56,7 @@ export function Add() {
           {stage.fault ? <Notice kind="bad">{stage.fault}</Notice> : null}
           <Drop onFiles={(files) => void scan(files)} />
           <Notice kind="info">{t.add.privacy}</Notice>
+          <ArchivePanel />
         </>
       ) : null}
       {stage.kind === "scanning" ? (

@@ -92,11 +92,12 @@ function UserTable({ users, change }: UserTableProps) {
 }
 
 function States({ user }: { readonly user: User }) {
-  const plain = user.verified && !user.disabled && !user.administrator && !user.researcher;
+  const plain = user.verified && !user.disabled && !user.administrator && !user.researcher && !user.archive_access;
   return (
     <span class="chips">
       {user.administrator ? <span class="chip chip-accent">{t.admin.administrator}</span> : null}
       {user.researcher ? <span class="chip chip-accent">{t.admin.researcher}</span> : null}
+      {user.archive_access ? <span class="chip chip-accent">{t.admin.archive}</span> : null}
       {user.disabled ? <span class="chip chip-refused">{t.admin.disabled}</span> : null}
       {user.verified ? null : <span class="chip">{t.admin.notVerified}</span>}
       {plain ? <span class="chip chip-good">{t.admin.active}</span> : null}
@@ -116,21 +117,15 @@ interface UserDialogProps {
 /** The limits of an account, and whether it is enabled. */
 function UserDialog({ user, onClose }: UserDialogProps) {
   const app = useApp();
-  const { gb, setGb, hours, setHours, faults, busy, save, setDisabled, setResearcher } = useUserForm(user, () =>
-    onClose(true),
-  );
+  const form = useUserForm(user, () => onClose(true));
+  const { gb, setGb, hours, setHours, faults, busy, save, setDisabled } = form;
   return (
     <Dialog title={user.email} onClose={() => onClose(false)}>
       <Form onSubmit={save} busy={busy} label={t.admin.save} {...fault(faults.form)}>
         <Field label={t.admin.quotaGb} value={gb} onInput={setGb} {...fault(faults.quota_bytes)} />
         <Field label={t.admin.renderHours} value={hours} onInput={setHours} {...fault(faults.render_quota_ms)} />
       </Form>
-      <p class="muted">{t.admin.researcherText}</p>
-      <p>
-        <button type="button" class="button" disabled={busy} onClick={() => void setResearcher(!user.researcher)}>
-          {user.researcher ? t.admin.withdrawResearcher : t.admin.makeResearcher}
-        </button>
-      </p>
+      <Roles user={user} form={form} />
       {user.id === app.me.value?.id ? null : (
         <>
           {user.disabled ? null : <p class="muted">{t.admin.switchOffText}</p>}
@@ -162,6 +157,37 @@ function UserDialog({ user, onClose }: UserDialogProps) {
         </button>
       </div>
     </Dialog>
+  );
+}
+
+interface RolesProps {
+  readonly user: User;
+  readonly form: ReturnType<typeof useUserForm>;
+}
+
+/** Gives and withdraws what an account may do besides using its own scans. */
+function Roles({ user, form }: RolesProps) {
+  const { busy, setResearcher, setArchiveAccess } = form;
+  return (
+    <>
+      <p class="muted">{t.admin.researcherText}</p>
+      <p>
+        <button type="button" class="button" disabled={busy} onClick={() => void setResearcher(!user.researcher)}>
+          {user.researcher ? t.admin.withdrawResearcher : t.admin.makeResearcher}
+        </button>
+      </p>
+      <p class="muted">{t.admin.archiveText}</p>
+      <p>
+        <button
+          type="button"
+          class="button"
+          disabled={busy}
+          onClick={() => void setArchiveAccess(!user.archive_access)}
+        >
+          {user.archive_access ? t.admin.withdrawArchive : t.admin.giveArchive}
+        </button>
+      </p>
+    </>
   );
 }
 
@@ -200,5 +226,6 @@ function useUserForm(user: User, onChanged: () => void) {
   };
   const setDisabled = (disabled: boolean) => send({ disabled });
   const setResearcher = (researcher: boolean) => send({ researcher });
-  return { gb, setGb, hours, setHours, faults, busy, save, setDisabled, setResearcher };
+  const setArchiveAccess = (access: boolean) => send({ archive_access: access });
+  return { gb, setGb, hours, setHours, faults, busy, save, setDisabled, setResearcher, setArchiveAccess };
 }

@@ -5,6 +5,7 @@ import { language, t } from "../texts";
 import { SignIn, SignUp, Verify } from "./account";
 import { Admin } from "./admin";
 import { Add } from "./add";
+import { ComparePage } from "./compare/compare_page";
 import { ConsentFirst } from "./consent";
 import { CutPage } from "./cut/cut_page";
 import { ConfirmEmail, Forgot, Reset } from "./forgot";
@@ -13,21 +14,23 @@ import { Home } from "./home";
 import { Join } from "./join";
 import { Legal } from "./legal";
 import { MyAccount } from "./my_account";
+import { lazyPage } from "./lazy_page";
 import { Loading } from "./loading";
 import { Link, navigate, route } from "./router";
 import type { AdminPart, Route } from "./routes";
 import { Reports } from "./reports";
 import { Scans } from "./scans";
-import { PreviewStudy } from "./studies/preview";
-import { Studies } from "./studies/studies";
-import { StudyPage } from "./studies/study_page";
-import { TakePartByLink } from "./studies/take_part";
-import { Withdraw } from "./studies/withdraw";
 import { SecondFactorFirst } from "./second_factor";
 import { Notice, PageTitle, Shell } from "./shell";
 import { SharedByLink, SharedSample } from "./shared";
 import { AppContext, useApp, type AppState } from "./state";
 import { OwnViewer } from "./viewer/viewer";
+
+const PreviewStudy = lazyPage(async () => (await import("./studies/preview")).PreviewStudy);
+const Studies = lazyPage(async () => (await import("./studies/studies")).Studies);
+const StudyPage = lazyPage(async () => (await import("./studies/study_page")).StudyPage);
+const TakePartByLink = lazyPage(async () => (await import("./studies/take_part")).TakePartByLink);
+const Withdraw = lazyPage(async () => (await import("./studies/withdraw")).Withdraw);
 
 /** A change of the language mounts the page again, because it contains the old texts. Uploads and the account stay. */
 export function App({ state }: { readonly state: AppState }) {
@@ -121,6 +124,8 @@ function scanPage(at: Route, me: Me): JSX.Element {
       return <CutPage key={at.dataSetId} dataSetId={at.dataSetId} />;
     case "view":
       return <OwnViewer key={at.dataSetId} dataSetId={at.dataSetId} />;
+    case "compare":
+      return <ComparePage key={`${at.first} ${at.second} ${at.over}`} {...at} />;
     case "reports":
       return framed(<Reports />);
     case "scans":

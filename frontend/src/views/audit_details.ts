@@ -28,6 +28,7 @@ function valueText(action: string, name: string, value: number | string): string
   if (typeof value === "string") return t.admin.detailWords[value] ?? (isId.test(value) ? value.slice(0, 8) : value);
   if (action === "account.storage-quota-changed") return bytesText(value);
   if (action === "account.render-quota-changed") return t.myAccount.hours(value);
+  if (name === "failed") return t.admin.yes;
   if (name === "slices" || name === "downloads") return value === 0 ? t.admin.no : t.admin.yes;
   return String(value);
 }

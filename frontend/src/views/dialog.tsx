@@ -58,3 +58,14 @@ export function CloseButton({ onClick }: { readonly onClick: () => void }) {
     </div>
   );
 }
+
+/** The button of a dialog whose form has the button that confirms, or whose choices confirm. */
+export function CancelButton({ onClick }: { readonly onClick: () => void }) {
+  return (
+    <div class="dialog-buttons">
+      <button type="button" class="button" onClick={onClick}>
+        {t.cancel}
+      </button>
+    </div>
+  );
+}

@@ -64,8 +64,8 @@ function MoreSample({ sample }: { readonly sample: DataSet }) {
   return (
     <li>
       <Link href={`/sample/${sample.id}`} class="home-sample">
-        <span class={`home-sample-picture${url || missing ? "" : " card-working"}`}>
-          {url ? <img src={url} alt="" width={320} height={320} /> : null}
+        <span class={`home-sample-picture${url || missing ? "" : " card-working"}`} aria-hidden="true">
+          {url ? <img src={url} alt="" width={320} height={320} /> : <Art />}
         </span>
         <span>
           {titleOf(sample)} <KindChip set={sample} />

@@ -6,7 +6,7 @@ import { problemText } from "../texts/problem_text";
 import { looksLikeEmail } from "./account";
 import { ApiTokens } from "./api_tokens";
 import { CodeField } from "./code_field";
-import { Dialog } from "./dialog";
+import { CancelButton, Dialog } from "./dialog";
 import { CurrentPassword, EmailField } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { bytesText, dateText, dayShortText, dayText } from "./format";
@@ -331,11 +331,7 @@ function Removal({ coded }: { readonly coded: boolean }) {
             <CurrentPassword value={password} onInput={setPassword} {...fault(faults.password)} />
             {coded ? <CodeField value={code} onInput={setCode} {...fault(faults.code)} /> : null}
           </Form>
-          <div class="dialog-buttons">
-            <button type="button" class="button" onClick={close}>
-              {t.cancel}
-            </button>
-          </div>
+          <CancelButton onClick={close} />
         </Dialog>
       ) : null}
     </section>

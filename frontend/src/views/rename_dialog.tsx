@@ -1,7 +1,7 @@
 import { useState } from "preact/hooks";
 import type { DataSet } from "../api/types";
 import { t } from "../texts";
-import { Dialog } from "./dialog";
+import { CancelButton, Dialog } from "./dialog";
 import { Field } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { useApp } from "./state";
@@ -39,11 +39,7 @@ export function RenameDialog({ set, rename, onClose }: RenameDialogProps) {
           {...fault(faults.title)}
         />
       </Form>
-      <div class="dialog-buttons">
-        <button type="button" class="button" onClick={onClose}>
-          {t.cancel}
-        </button>
-      </div>
+      <CancelButton onClick={onClose} />
     </Dialog>
   );
 }

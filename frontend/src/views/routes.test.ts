@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { firstWords, routeOf } from "./routes";
+import { comparePath, firstWords, routeOf } from "./routes";
 
 test("an unknown path is not a page, whatever it begins with", () => {
   expect(routeOf("/nothing", "")).toEqual({ page: "not_found" });
@@ -44,4 +44,13 @@ test("a study has a page for researchers and others for participants", () => {
   expect(routeOf("/study", `#${secret}`)).toEqual({ page: "take_part", token: secret });
   expect(routeOf("/study", `#withdraw:${secret}`)).toEqual({ page: "withdraw", key: secret });
   expect(routeOf("/study", "#withdraw:short")).toEqual({ page: "incomplete_link" });
+});
+
+test("a comparison names both scans, and whether one lies over the other", () => {
+  const [first, second] = ["0123abcd-0000-4000-8000-000000000000", "4567abcd-0000-4000-8000-000000000000"];
+  const page = "compare";
+  expect(routeOf(comparePath(first, second), "")).toEqual({ page, first, second, over: false });
+  expect(routeOf(comparePath(first, second, true), "")).toEqual({ page, first, second, over: true });
+  for (const path of [`/compare/${first}`, `/compare/${first}/nothing`, `/compare/${first}/${second}/else`])
+    expect(routeOf(path, "")).toEqual({ page: "not_found" });
 });

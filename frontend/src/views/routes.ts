@@ -22,6 +22,7 @@ export type Route =
   | { readonly page: "legal"; readonly legal: LegalPage }
   | { readonly page: "verify" | "join" | "shared" | "reset" | "confirm_email"; readonly token: string }
   | { readonly page: "view" | "sample" | "cut"; readonly dataSetId: string }
+  | { readonly page: "compare"; readonly first: string; readonly second: string; readonly over: boolean }
   | { readonly page: "studies" }
   /** The composer. Before a study is saved for the first time, its ID is that of its template. */
   | { readonly page: "study" | "preview"; readonly studyId: string }
@@ -37,8 +38,10 @@ export const legalPages = ["privacy", "terms", "contact"] as const;
 export type LegalPage = (typeof legalPages)[number];
 
 interface Rest {
-  /** The second segment of the path, or empty. */
+  /** The further segments of the path, or empty. */
   readonly second: string;
+  readonly third: string;
+  readonly fourth: string;
   /** The fragment of the URL, which no server sees. */
   readonly hash: string;
 }
@@ -77,6 +80,10 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   privacy: () => ({ page: "legal", legal: "privacy" }),
   terms: () => ({ page: "legal", legal: "terms" }),
   contact: () => ({ page: "legal", legal: "contact" }),
+  compare: ({ second, third, fourth }) =>
+    id.test(second) && id.test(third) && (fourth === "" || fourth === "over")
+      ? { page: "compare", first: second, second: third, over: fourth === "over" }
+      : null,
   cut: ({ second }) => (id.test(second) ? { page: "cut", dataSetId: second } : null),
   reports: () => ({ page: "reports" }),
   studies: ({ second, hash }) => {
@@ -94,12 +101,16 @@ const pages: Readonly<Record<string, (rest: Rest) => Route | null>> = {
   view: ({ second }) => (id.test(second) ? { page: "view", dataSetId: second } : null),
 };
 
+/** Returns the path of the page that shows two scans. */
+export const comparePath = (first: string, second: string, over = false): string =>
+  `/compare/${first}/${second}${over ? "/over" : ""}`;
+
 /** The first path segments of all pages. */
 export const firstWords: readonly string[] = Object.keys(pages);
 
 /** Returns the route of a URL. `path` is its path, and `hash` its fragment with the #, or empty. */
 export function routeOf(path: string, hash: string): Route {
-  const [, first = "", second = ""] = path.split("/");
+  const [, first = "", second = "", third = "", fourth = ""] = path.split("/");
   const page = Object.hasOwn(pages, first) ? pages[first] : undefined;
-  return page?.({ second, hash: hash.slice(1) }) ?? { page: "not_found" };
+  return page?.({ second, third, fourth, hash: hash.slice(1) }) ?? { page: "not_found" };
 }

@@ -34,14 +34,17 @@ export interface ScanCardProps {
   readonly onViews: () => void;
   /** Opens the labels of the scan. */
   readonly onLabels: () => void;
+  /** Chooses a second scan to compare this one with. */
+  /** Null if there is no other scan to compare it with. */
+  readonly onCompare: (() => void) | null;
 }
 
-export function ScanCard({ set, upload, onRemove, onRename, onViews, onLabels }: ScanCardProps) {
+export function ScanCard(props: ScanCardProps) {
+  const { set, upload } = props;
   const { state } = set;
   const ready = state === "ready";
   const title = titleOf(set);
   const still = isStill(set, upload);
-  const remove = upload && isOpen(upload) ? t.scans.cancelUpload(title) : t.scans.remove(title);
   return (
     <article class={`card card-${set.state}`} data-state={set.state} data-id={set.id}>
       {state === "ready" ? <ReadyPicture set={set} /> : <StateIcon state={state} still={still} />}
@@ -72,15 +75,35 @@ export function ScanCard({ set, upload, onRemove, onRename, onViews, onLabels }:
         {set.owned || !set.owner_name ? null : <p class="muted">{t.sharing.gallery.by(set.owner_name)}</p>}
         <Details set={set} upload={upload} />
       </div>
-      {set.owned ? (
-        <div class="card-tools">
-          {ready ? <IconButton icon="eye" label={t.sharing.views.openOf(title)} onClick={onViews} /> : null}
-          {ready ? <IconButton icon="tag" label={t.labels.title(title)} onClick={onLabels} /> : null}
-          <IconButton icon="pencil" label={t.scans.rename(title)} onClick={onRename} />
-          <IconButton icon="trash" label={remove} onClick={onRemove} />
-        </div>
-      ) : null}
+      <CardTools {...props} />
     </article>
+  );
+}
+
+/** What can be done with a scan. Someone else's can only be compared. */
+function CardTools({ set, upload, ...on }: ScanCardProps) {
+  const ready = set.state === "ready";
+  const title = titleOf(set);
+  const remove = upload && isOpen(upload) ? t.scans.cancelUpload(title) : t.scans.remove(title);
+  if (!ready && !set.owned) return null;
+  return (
+    <div class="card-tools">
+      {ready && on.onCompare ? (
+        <IconButton icon="compare" label={t.compare.openOf(title)} onClick={on.onCompare} />
+      ) : null}
+      {set.owned && ready ? (
+        <>
+          <IconButton icon="eye" label={t.sharing.views.openOf(title)} onClick={on.onViews} />
+          <IconButton icon="tag" label={t.labels.title(title)} onClick={on.onLabels} />
+        </>
+      ) : null}
+      {set.owned ? (
+        <>
+          <IconButton icon="pencil" label={t.scans.rename(title)} onClick={on.onRename} />
+          <IconButton icon="trash" label={remove} onClick={on.onRemove} />
+        </>
+      ) : null}
+    </div>
   );
 }
 

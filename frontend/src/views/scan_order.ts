@@ -5,6 +5,9 @@ import { dateInTitle } from "../scan/title_date";
 export const scanOrders = ["added", "date", "title", "size"] as const;
 export type ScanOrder = (typeof scanOrders)[number];
 
+/** The key under which this browser remembers the order. */
+export const orderKey = "diaphane.scan_order";
+
 export const scanOrderOf = (text: string | null): ScanOrder => scanOrders.find((one) => one === text) ?? "added";
 
 type Ordered = Pick<DataSet, "title" | "created_at" | "volume">;

@@ -4,6 +4,7 @@ import type { UploadView } from "../api/upload_view";
 import { local } from "../storage";
 import { place, t } from "../texts";
 import { Choice } from "./choice";
+import { ChooseScanDialog } from "./compare/choose_scan";
 import { Dialog } from "./dialog";
 import { bytesText } from "./format";
 import { addFiles } from "./files_for_add";
@@ -13,7 +14,7 @@ import { Loading } from "./loading";
 import { Link } from "./router";
 import { RenameDialog } from "./rename_dialog";
 import { ScanCard, titleOf } from "./scan_card";
-import { inOrder, scanOrderOf, scanOrders, type ScanOrder } from "./scan_order";
+import { inOrder, orderKey, scanOrderOf, scanOrders, type ScanOrder } from "./scan_order";
 import { Notice, PageTitle, useFocusKept } from "./shell";
 import { useApp } from "./state";
 import { useWarmThumbnails } from "./thumbnail";
@@ -23,7 +24,6 @@ import { ViewLogDialog } from "./view_log";
 
 /** The number of newest scans whose pictures are prepared before they are opened. */
 const warmed = 4;
-const orderKey = "diaphane.scan_order";
 
 export function Scans() {
   const app = useApp();
@@ -32,6 +32,7 @@ export function Scans() {
   const [renaming, setRenaming] = useState<DataSet | null>(null);
   const [viewsOf, setViewsOf] = useState<DataSet | null>(null);
   const [labelsOf, setLabelsOf] = useState<DataSet | null>(null);
+  const [comparing, setComparing] = useState<DataSet | null>(null);
   useFocusKept(sets?.length);
   useDroppedFiles(addFiles);
   return (
@@ -56,6 +57,7 @@ export function Scans() {
           onRename={setRenaming}
           onViews={setViewsOf}
           onLabels={setLabelsOf}
+          onCompare={setComparing}
         />
       ) : null}
       {labelsOf ? (
@@ -67,12 +69,12 @@ export function Scans() {
           }}
         />
       ) : null}
+      {comparing ? <ChooseScanDialog first={comparing} onClose={() => setComparing(null)} /> : null}
       {viewsOf ? <ViewLogDialog dataSetId={viewsOf.id} onClose={() => setViewsOf(null)} /> : null}
       {renaming ? <RenameDialog set={renaming} rename={rename} onClose={() => setRenaming(null)} /> : null}
       {removing ? (
         <RemoveDialog
           set={removing}
-          uploading={removing.state === "uploading"}
           onNo={() => setRemoving(null)}
           onYes={() => {
             setRemoving(null);
@@ -97,12 +99,12 @@ function QuotaMeter() {
 
 interface RemoveDialogProps {
   readonly set: DataSet;
-  readonly uploading: boolean;
   readonly onNo: () => void;
   readonly onYes: () => void;
 }
 
-function RemoveDialog({ set, uploading, onNo, onYes }: RemoveDialogProps) {
+function RemoveDialog({ set, onNo, onYes }: RemoveDialogProps) {
+  const uploading = set.state === "uploading";
   const text = t.scans;
   return (
     <Dialog title={uploading ? text.cancelTitle : text.removeTitle} onClose={onNo}>
@@ -142,6 +144,19 @@ function OrderChoice({
   );
 }
 
+function NoScans() {
+  return (
+    <section class="empty">
+      <Icon name="folder" />
+      <h2>{t.scans.empty}</h2>
+      <p>{t.scans.leadEmpty}</p>
+      <Link href="/add" class="button button-main">
+        {t.scans.add}
+      </Link>
+    </section>
+  );
+}
+
 interface ListProps {
   readonly sets: readonly DataSet[];
   readonly uploads: ReadonlyMap<string, UploadView>;
@@ -149,15 +164,17 @@ interface ListProps {
   readonly onRename: (set: DataSet) => void;
   readonly onViews: (set: DataSet) => void;
   readonly onLabels: (set: DataSet) => void;
+  readonly onCompare: (set: DataSet) => void;
 }
 
-function List({ sets, uploads, onRemove, onRename, onViews, onLabels }: ListProps) {
+function List({ sets, uploads, onRemove, onRename, onViews, onLabels, onCompare }: ListProps) {
   useWarmThumbnails(sets.filter((set) => set.state === "ready").slice(0, warmed));
   const [order, setOrder] = useState(() => scanOrderOf(local.getItem(orderKey)));
   const ordered = inOrder(sets, order, place());
   const own = ordered.filter((set) => set.owned);
   const shared = ordered.filter((set) => !set.owned && !set.is_sample);
   const samples = sets.filter((set) => !set.owned && set.is_sample);
+  const comparable = sets.filter((set) => set.state === "ready").length > 1;
   const card = (set: DataSet) => (
     <li key={set.id}>
       <ScanCard
@@ -167,34 +184,36 @@ function List({ sets, uploads, onRemove, onRename, onViews, onLabels }: ListProp
         onRename={() => onRename(set)}
         onViews={() => onViews(set)}
         onLabels={() => onLabels(set)}
+        onCompare={comparable ? () => onCompare(set) : null}
       />
     </li>
   );
+  const sharedPart =
+    shared.length > 0 ? (
+      <section class="others">
+        <h2>{t.sharing.withMe}</h2>
+        <p class="muted">{t.sharing.views.toldPerson}</p>
+        <ul class="cards">{shared.map(card)}</ul>
+      </section>
+    ) : null;
   return (
     <>
       {own.length === 0 ? (
-        <section class="empty">
-          <Icon name="folder" />
-          <h2>{t.scans.empty}</h2>
-          <p>{t.scans.leadEmpty}</p>
-          <Link href="/add" class="button button-main">
-            {t.scans.add}
-          </Link>
-        </section>
+        // People who were invited to a scan come for that scan.
+        <>
+          {sharedPart}
+          <NoScans />
+        </>
       ) : (
-        <section>
-          <h2 class="visually-hidden">{t.scans.list}</h2>
-          {own.length > 1 ? <OrderChoice order={order} onChoose={setOrder} /> : null}
-          <ul class="cards">{own.map(card)}</ul>
-        </section>
+        <>
+          <section>
+            <h2 class="visually-hidden">{t.scans.list}</h2>
+            {own.length > 1 ? <OrderChoice order={order} onChoose={setOrder} /> : null}
+            <ul class="cards">{own.map(card)}</ul>
+          </section>
+          {sharedPart}
+        </>
       )}
-      {shared.length > 0 ? (
-        <section class="others">
-          <h2>{t.sharing.withMe}</h2>
-          <p class="muted">{t.sharing.views.toldPerson}</p>
-          <ul class="cards">{shared.map(card)}</ul>
-        </section>
-      ) : null}
       {samples.length > 0 ? (
         <section class="others">
           <h2>{t.scans.examples}</h2>

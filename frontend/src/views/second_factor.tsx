@@ -2,7 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { NewSecret, SecondFactor as State } from "../api/second_factor";
 import { t } from "../texts";
 import { CodeField } from "./code_field";
-import { Dialog } from "./dialog";
+import { CancelButton, Dialog } from "./dialog";
 import { CurrentPassword } from "./field";
 import { Form, fault, faultsOf, type Faults } from "./form";
 import { dayText } from "./format";
@@ -239,11 +239,7 @@ function AskBoth({ what, required, onClose, onDone }: AskBothProps) {
         <CurrentPassword value={password} onInput={setPassword} {...fault(faults.password)} />
         <CodeField value={code} onInput={setCode} {...fault(faults.code)} />
       </Form>
-      <div class="dialog-buttons">
-        <button type="button" class="button" onClick={onClose}>
-          {t.cancel}
-        </button>
-      </div>
+      <CancelButton onClick={onClose} />
     </Dialog>
   );
 }

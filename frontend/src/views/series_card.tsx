@@ -1,10 +1,13 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { allPhases, hasChoice, keepPhases } from "../scan/keep_phases";
 import type { Recommendation } from "../scan/recommend";
 import type { ScanResult, Series, Suitable, Thumbnail } from "../scan/types";
 import { t } from "../texts";
 import { Field } from "./field";
 import { bytesText, dicomDateText } from "./format";
 import { Icon } from "./icons";
+import { PhasesField } from "./phases_field";
 import { Link } from "./router";
 import { Notice } from "./shell";
 import { useSeriesUpload } from "./use_series_upload";
@@ -29,7 +32,9 @@ export interface SeriesCardProps {
 /** A series that can be uploaded: its facts, and the form for uploading it. */
 export function SeriesCard(props: SeriesCardProps) {
   const { series, name, title, verdict, files, unpacked, only, best, onReady } = props;
-  const upload = useSeriesUpload(series, files, unpacked, only);
+  const [choice, setChoice] = useState(allPhases);
+  const chosen = useMemo(() => keepPhases(series, choice), [series, choice]);
+  const upload = useSeriesUpload(chosen, files, unpacked, only);
   return (
     <article class="series-card">
       <Preview thumbnail={series.thumbnail} />
@@ -40,7 +45,11 @@ export function SeriesCard(props: SeriesCardProps) {
             {t.add.begun} <Link href="/scans">{t.titles.scans}</Link>
           </Notice>
         ) : (
-          <UploadForm title={title} upload={upload} onReady={onReady} />
+          <UploadForm title={title} upload={upload} onReady={onReady}>
+            {verdict.phases && hasChoice(series) ? (
+              <PhasesField phases={verdict.phases} choice={choice} onChoose={setChoice} disabled={upload.busy} />
+            ) : null}
+          </UploadForm>
         )}
         {upload.fault ? <Notice kind="bad">{upload.fault}</Notice> : null}
       </div>
@@ -88,10 +97,11 @@ function SeriesFacts({ series, name, verdict, bytes, best }: SeriesFactsProps) {
 interface UploadFormProps extends Pick<SeriesCardProps, "title"> {
   readonly upload: ReturnType<typeof useSeriesUpload>;
   readonly onReady: SeriesCardProps["onReady"];
+  readonly children: ComponentChildren;
 }
 
-/** Asks for a title, unless an interrupted upload of the same files is resumed. */
-function UploadForm({ title: proposal, upload, onReady }: UploadFormProps) {
+/** Asks for a title, unless an interrupted upload of the same files is resumed. `children`: further fields. */
+function UploadForm({ title: proposal, upload, onReady, children }: UploadFormProps) {
   const [title, setTitle] = useState(proposal);
   const { busy, interruptedAt, start } = upload;
   useEffect(() => {
@@ -118,6 +128,7 @@ function UploadForm({ title: proposal, upload, onReady }: UploadFormProps) {
       ) : (
         <p>{t.add.resumeText(interruptedAt)}</p>
       )}
+      {children}
       <button type="submit" class="button button-main" disabled={busy} aria-busy={busy}>
         {busy ? t.add.starting : interruptedAt === null ? t.add.upload : t.add.resume}
       </button>

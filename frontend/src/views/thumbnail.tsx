@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
 import type { DataSet, PresetInfo, PresetName } from "../api/types";
+import type { LookPictures } from "../live/place";
 import { t } from "../texts";
 import { Icon } from "./icons";
 import { looksOfEvery } from "./looks";
@@ -80,6 +81,13 @@ function usePicture(
 export function useThumbnail(dataSetId: string, preset: PresetName, enabled: boolean): Picture {
   const app = useApp();
   return usePicture(`${dataSetId} ${preset}`, enabled, busy, (signal) => app.api.thumbnail(dataSetId, preset, signal));
+}
+
+/** The picture of a look in the viewer. There is none without `pictures` or `look`. */
+export function useLookPicture(pictures: LookPictures | null, look: PresetName | null): Picture {
+  const load = (signal: AbortSignal) =>
+    pictures && look ? pictures.load(look, signal) : Promise.reject(new Error("There is no picture."));
+  return usePicture(`${pictures?.key} ${look}`, pictures !== null && look !== null, busy, load);
 }
 
 /** The picture of a saved preset. It is requested once it becomes visible. */

@@ -33,12 +33,14 @@ constexpr const char* kUsage =
     "                   for CT), in millimetres, RAS\n"
     "                   .stl: a surface in millimetres, LPS (z points to the head)\n"
     "                   .glb: a surface in metres, with the head up and the face to the viewer\n"
-    "  --label LABEL    surface of a label, by its name or number\n"
+    "  --label LABEL    surface of a label, by its name or number. Parts that are found in the "
+    "scan are\n"
+    "                   called brain, bone, lungs, airways and vessels\n"
     "  --above VALUE    surface of all voxels with at least this value\n"
     "  --phase N        phase of the surface of --above, counted from 0 (default 0)\n"
     "  --labels FILE    take the labels from a NIfTI, DICOM SEG or RTSTRUCT file\n"
     "  --triangles N    maximum number of triangles (default 1000000)\n"
-    "  --force          replace OUTPUT if it exists\n\n"
+    "  --force          replace OUTPUT, and OUTPUT.part of an export that was interrupted\n\n"
     "The file may identify a person: a surface of the skin shows the face.\n\n"
     "Exit codes: 0 success, 64 bad command line, 65 the scan has no such label or value, 66 "
     "cannot\n"
@@ -127,16 +129,11 @@ std::string check(const Options& options) {
   return {};
 }
 
-/// The brain that ingest finds has no name in the label set, because the page translates it.
-std::string name_of(const volume::LabelEntry& entry) {
-  return entry.number == volume::kBrainNumber && entry.name.empty() ? "brain" : entry.name;
-}
-
 /// Returns the number of the label with this name, or else with this number.
 Result<std::uint32_t> number_of(const volume::LabelSet& set, const std::string& name) {
   std::vector<std::uint32_t> numbers;
   for (const auto& entry : set.table) {
-    if (name_of(entry) == name) numbers.push_back(entry.number);
+    if (volume::name_of(entry) == name) numbers.push_back(entry.number);
   }
   if (numbers.size() == 1) return numbers.front();
   for (const auto& entry : set.table) {
@@ -144,7 +141,7 @@ Result<std::uint32_t> number_of(const volume::LabelSet& set, const std::string& 
   }
   std::string known;
   for (const auto& entry : set.table)
-    known += "\n  " + std::to_string(entry.number) + "  " + name_of(entry);
+    known += "\n  " + std::to_string(entry.number) + "  " + volume::name_of(entry);
   if (known.empty()) known = " none (add some with --labels FILE)";
   return fail(ErrorCode::kInvalid, (numbers.empty() ? "the scan has no label '" + name + "'"
                                                     : "several labels are called '" + name + "'") +
@@ -175,10 +172,13 @@ Result<ingest::ExportOrder> prepare(const Options& options, volume::Volume& scan
   return order;
 }
 
+/// Returns the name under which the file is written first.
+std::string unfinished_name(const Options& options) { return options.output + ".part"; }
+
 /// Writes the file under another name first, so that nobody finds a part of it.
 Result<void> write(const volume::Volume& scan, const ingest::ExportOrder& order,
                    const Options& options) {
-  const std::string unfinished = options.output + ".part";
+  const std::string unfinished = unfinished_name(options);
   std::FILE* file = std::fopen(unfinished.c_str(), "wb");
   const auto failed = [&] { return fail(ErrorCode::kUnavailable, "cannot write the file"); };
   if (file == nullptr) return failed();
@@ -201,8 +201,9 @@ Result<void> write(const volume::Volume& scan, const ingest::ExportOrder& order,
 
 int run(const Options& options) {
   std::error_code error;
-  if (fs::exists(options.output, error) && !options.force) {
-    return complain(kExitNoOutput, options.output + ": already exists (--force replaces it)");
+  for (const std::string& file : {options.output, unfinished_name(options)}) {
+    if (fs::exists(file, error) && !options.force)
+      return complain(kExitNoOutput, file + ": already exists (--force replaces it)");
   }
   auto scan = ingest::read_scan(options.input);
   if (!scan) return complain(kExitNoInput, options.input + ": " + scan.error().message);

@@ -1,14 +1,18 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <span>
 
 #include "common/config.h"
 #include "common/try.h"
+#include "ingest/build/keep_phases.h"
+#include "ingest/build/nifti.h"
 #include "ingest/cli/sample/cranium.h"
 #include "ingest/cli/sample/dicom_series.h"
 #include "ingest/cli/sample/upload.h"
@@ -51,17 +55,28 @@ std::string unpacked(const std::string& path) {
 }
 
 /// Returns a bundle of a NIfTI file that states its modality, as the page writes it.
-Result<std::string> bundle_of(const std::string& path, const std::string& modality) {
-  // Offset and length of intent_name in the header (ingest/build/nifti.h).
-  constexpr std::size_t kIntentName = 328, kBytes = 16;
+Result<std::string> bundle_of(const std::string& path, const std::string& modality,
+                              const ingest::PhaseChoice& phases) {
+  // Offset and length of intent_name in the header of NIfTI-1 and NIfTI-2.
+  constexpr std::size_t kFirst = 328, kSecond = 508, kBytes = 16;
   std::string bytes = unpacked(path);
-  if (bytes.size() < kIntentName + kBytes) {
+  const std::size_t intent_name = bytes.substr(0, 8).find("n+2") == 4 ? kSecond : kFirst;
+  if (bytes.size() < intent_name + kBytes) {
     return fail(ErrorCode::kNotFound, "cannot read the NIfTI file " + path);
+  }
+  if (!phases.is_all()) {
+    const auto file = std::as_bytes(std::span(bytes));
+    const auto header = ingest::read_nifti_header(file);
+    DIAPHANE_TRY(header);
+    const auto count = std::max<std::size_t>(header->phases.size(), 1);
+    const auto kept = ingest::chosen_phases(phases, static_cast<std::uint32_t>(count));
+    DIAPHANE_TRY(kept);
+    bytes = ingest::keep_nifti_phases(file, *header, *kept);
   }
   if (!modality.empty()) {
     std::string name = modality.substr(0, kBytes - 1);
     name.resize(kBytes, '\0');
-    bytes.replace(kIntentName, kBytes, name);
+    bytes.replace(intent_name, kBytes, name);
   }
   sample::Bundle bundle;
   DIAPHANE_TRY(bundle.add(bytes));
@@ -94,6 +109,7 @@ int send(const std::string& bundle, std::size_t files, sample::UploadOptions opt
 /// What the command line requests. A step whose text is empty is skipped.
 struct Orders {
   std::string cranium, dicom, bundle, mha, store, file, modality, token_file;
+  ingest::PhaseChoice phases;  ///< of `file`
   sample::UploadOptions upload;
 };
 
@@ -116,6 +132,12 @@ Orders read_orders(ConfigReader& in) {
   orders.file =
       in.text("file", "upload this NIfTI file (.nii or .nii.gz) instead of the cranium", "");
   orders.modality = in.text("modality", "what the scan in --file is: CT, MR or PT", "");
+  const auto phases = ingest::parse_phases(in.text("phases", ingest::kPhasesHelp, ""),
+                                           in.text("every", ingest::kEveryHelp, ""));
+  if (!phases) in.mistake(phases.error().message);
+  if (phases) orders.phases = *phases;
+  if (!orders.phases.is_all() && orders.file.empty())
+    in.mistake("--phases and --every require --file");
   orders.upload.title = in.text("title", "title of the uploaded sample", "Cranium");
   const bool uploads = !orders.upload.url.empty();
   if (orders.dicom.empty() && orders.bundle.empty() && orders.mha.empty() && orders.store.empty() &&
@@ -131,7 +153,7 @@ Orders read_orders(ConfigReader& in) {
 }
 
 int upload_file(const Orders& orders) {
-  const auto bytes = bundle_of(orders.file, orders.modality);
+  const auto bytes = bundle_of(orders.file, orders.modality, orders.phases);
   if (!bytes) return report(bytes.error(), kExitNoInput);
   return send(*bytes, 1, orders.upload, orders.token_file);
 }

@@ -52,6 +52,14 @@ std::pair<const char*, const char*> words_of(volume::PhaseKind kind) {
   return {"index", ""};
 }
 
+/// Returns the phases for programs, or null if there is only one moment.
+ordered_json phases_json(const dicom::Assessment& a) {
+  if (a.phases.empty()) return {};
+  ordered_json values = ordered_json::array();
+  for (const volume::Phase& phase : a.phases) values.push_back(phase.value);
+  return {{"by", words_of(a.phases.front().kind).first}, {"values", std::move(values)}};
+}
+
 std::string phases_line(const dicom::Assessment& a) {
   if (a.phases.empty()) return {};
   const auto [name, unit] = words_of(a.phases.front().kind);
@@ -103,6 +111,7 @@ ordered_json series_json(const dicom::Series& series) {
   json["direction"] = a.suitable ? ordered_json(a.direction) : ordered_json();
   json["origin_mm"] = a.suitable ? ordered_json(a.origin) : ordered_json();
   json["plane"] = a.suitable ? ordered_json(dicom::plane_name(a.direction)) : ordered_json();
+  json["phases"] = phases_json(a);
   json["repairs"] = a.repairs;
   json["reason"] = a.suitable ? ordered_json() : ordered_json{{"code", a.code}, {"text", a.text}};
   return json;

@@ -204,7 +204,8 @@ TEST(Camera, TheBackgroundChangesTowardsThePicturesCorners) {
   scene.mutable_display()->mutable_background_edge()->set_r(0.1);
   const auto red_at = [&](float x, float y) {
     const test::Prepared p(test::constant_volume(8, -1000), scene, {64, 48});
-    return primary_hit<Features{}>(p.view(), camera_ray<Features{}>(p.view(), x, y)).background.x;
+    return primary_hit<Features{}>(p.view(), camera_ray<Features{}>(p.view(), x, y), {})
+        .background.x;
   };
   EXPECT_FLOAT_EQ(red_at(32, 24), 0.5f);
   EXPECT_FLOAT_EQ(red_at(0, 48), 0.1f);

@@ -268,7 +268,7 @@ TEST(Clip, PlaneClipsTheTransmittanceOfTheRay) {
       int through = 0;
       for (int i = 0; i < kSamples; ++i) {
         Random random(5, x + 8 * y, static_cast<std::uint64_t>(i));
-        const PrimaryHit primary = primary_hit<kClip>(view, r);
+        const PrimaryHit primary = primary_hit<kClip>(view, r, {});
         through += !(primary.span.begin < primary.span.end) ||
                            !track(r.ray, primary.span, view.grid,
                                   Medium<LinearVolume>{view.volume, view.transfer}, random)

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <fstream>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -64,6 +65,9 @@ class CpuVolume final : public DeviceVolume {
   CpuVolumeView view() const { return {voxels_.data(), size_of(header_)}; }
   /// Returns the transfer functions baked for this phase of a scan, or null if there is one phase.
   TransferCache* baked() const { return header_.phase_count() > 1 ? &baked_ : nullptr; }
+  /// Returns the transfer functions baked for this volume as the second scan of a session, whose
+  /// renderer does not remember the last one.
+  TransferCache* always_baked() const { return &baked_; }
 
  private:
   volume::Header header_;
@@ -118,6 +122,17 @@ struct OwnedFilm {
   CpuFilm film;
 };
 
+/// The second scan of a session.
+struct Second {
+  std::shared_ptr<const CpuVolume> volume;  ///< null: none
+  volume::Matrix to_first = volume::kIdentity;
+  bool operator==(const Second&) const = default;
+};
+
+const Float4* table_or_null(const std::vector<Float4>& table) {
+  return table.empty() ? nullptr : table.data();
+}
+
 /// A scene and the film that belongs to it.
 struct Picture {
   Picture(diaphane::v1::Scene s, PreparedScene p, std::unique_ptr<OwnedFilm> f)
@@ -166,11 +181,27 @@ class CpuFrameRenderer final : public FrameRenderer {
     return {};
   }
 
+  Result<void> set_second(std::shared_ptr<const DeviceVolume> volume,
+                          const volume::Matrix& to_first) override {
+    auto ours = std::dynamic_pointer_cast<const CpuVolume>(volume);
+    if (volume && !ours) {
+      return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    }
+    next_second_ = {std::move(ours), to_first};
+    return {};
+  }
+
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
     const bool keeps_volume = picture_ && next_volume_ == volume_;
+    std::optional<SecondScan> second;
+    if (const auto& v = next_second_.volume) {
+      second.emplace(SecondScan{v->header(), v->grid(), next_second_.to_first, v->always_baked(),
+                                next_second_ == second_});
+    }
     auto prepared = prepare_scene(scene, canvas, next_volume_->header(), next_volume_->grid(),
                                   picture_ ? &picture_->prepared : nullptr,
-                                  keeps_volume ? &picture_->scene : nullptr, next_volume_->baked());
+                                  keeps_volume ? &picture_->scene : nullptr, next_volume_->baked(),
+                                  second ? &*second : nullptr);
     DIAPHANE_TRY(prepared);
     if (method_.walk == Walk::kExact && !use_exact_walk(*prepared, method_)) {
       return fail(ErrorCode::kUnsupported, "the exact walk cannot render this scene", "estimator");
@@ -178,6 +209,7 @@ class CpuFrameRenderer final : public FrameRenderer {
     auto film = new_film(*prepared);
     if (!film) return no_memory();
     volume_ = next_volume_;
+    second_ = next_second_;
     picture_ = std::make_unique<Picture>(scene, *std::move(prepared), std::move(film));
     picture_->drafting =
         method_.walk == Walk::kDraft && use_exact_walk(picture_->prepared, method_);
@@ -355,6 +387,13 @@ class CpuFrameRenderer final : public FrameRenderer {
     if (s.features.has(Feature::kGloss)) view.transfer.gloss = t.gloss.data();
     if (s.features.has(Feature::kEmission)) view.transfer.emission = t.emission.data();
     if (s.labels) view.labels = {volume_->labels(), s.labels->looks.data()};
+    if (s.overlay) {
+      const PreparedTransfer& o = *s.overlay->transfer;
+      add_overlay(s, second_.volume->view(),
+                  {o.extinction.data(), o.colour.data(), table_or_null(o.gloss),
+                   table_or_null(o.emission), s.overlay->majorants.data()},
+                  view);
+    }
     const ExactTables& e = t.exact;
     view.exact = exact_view_of(s, volume_->grid(), volume_->view().size, e.pieces.data(),
                                e.piece_of.data(), e.skips.data());
@@ -392,6 +431,7 @@ class CpuFrameRenderer final : public FrameRenderer {
   std::shared_ptr<FilmMemory> films_;
   std::shared_ptr<const CpuVolume> volume_;       ///< of the picture
   std::shared_ptr<const CpuVolume> next_volume_;  ///< of the next scene
+  Second second_, next_second_;                   ///< likewise
   std::uint64_t seed_;
   std::uint64_t first_sample_;
   Method method_;

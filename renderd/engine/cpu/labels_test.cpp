@@ -46,7 +46,7 @@ TEST(Labels, BoundsHoldEverywhere) {
   const test::Prepared p(marked_volume(), scene_with({0.25, 0, 0.75}));
   const auto view = p.view();
   ASSERT_TRUE(p.scene().features.has(Feature::kLabels));
-  const auto medium = medium_of<kAllFeatures>(view);
+  const auto medium = medium_of<kOneScan>(view, {});
   std::mt19937 generator(7);
   const Int3 n = view.volume.size;
   const auto place = [&](std::int32_t size) {
@@ -62,7 +62,7 @@ TEST(Labels, BoundsHoldEverywhere) {
     ASSERT_LE(view.grid.cells[index].minorant, extinction);
     ASSERT_GE(view.grid.cells[index].majorant, extinction);
     const Int3 voxels{cell(at.x + 0.5f, 1), cell(at.y + 0.5f, 1), cell(at.z + 0.5f, 1)};
-    ASSERT_GE(medium.majorant(voxels), extinction);
+    ASSERT_GE(medium.majorant(voxels, static_cast<std::int32_t>(index)), extinction);
     hidden += extinction == 0 ? 1 : 0;
   }
   EXPECT_GT(hidden, 20000u) << "label 2 is hidden";
@@ -95,8 +95,8 @@ TEST(Labels, CostNothingIfTheyChangeNothing) {
 }
 
 TEST(Labels, KernelsOfScenesWithoutLabelsHaveNoCodeForThem) {
-  // A scene with every other feature must not need the general kernels.
-  const Features all = kAllFeatures.without(Feature::kLabels);
+  // A scene of one scan with every other feature must not need the general kernels.
+  const Features all = kOneScan.without(Feature::kLabels);
   EXPECT_FALSE(kVariants[variant_for(all)].has(Feature::kLabels));
   EXPECT_FALSE(kVariants[variant_for(all.without(Feature::kGuides))].has(Feature::kLabels));
 }

@@ -107,7 +107,7 @@ void expect_exact(const volume::Volume& v, const int* axis, const double* sign) 
       const Expected e = expected_slice(v, scene, axis, sign, static_cast<double>(x),
                                         static_cast<double>(y), canvas);
       if (e.margin < 1e-3) continue;
-      const PrimaryHit primary = primary_hit<kSlices>(view, camera_ray<kSlices>(view, x, y));
+      const PrimaryHit primary = primary_hit<kSlices>(view, camera_ray<kSlices>(view, x, y), {});
       ASSERT_EQ(primary.slice, e.found) << x << " " << y;
       EXPECT_FALSE(primary.span.begin < primary.span.end) << "no matter is traced";
       if (!e.found) {

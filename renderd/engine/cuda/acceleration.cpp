@@ -53,6 +53,18 @@ Result<void> Acceleration::rebuild_acceleration(const CudaVolume& volume,
   return download(&found_, summary_, 1, stream);
 }
 
+Result<void> Acceleration::add_second(const Acceleration& second, const PreparedOverlay& overlay,
+                                      cudaStream_t stream) {
+  DIAPHANE_TRY(ensure(majorants_, cell_count(cells_)));
+  DIAPHANE_TRY(upload(summary_, &kNothingFound, 1, stream));
+  const auto& view = overlay.view;
+  const SecondCells cells{view.map,     second.bounds(), second.cells(),
+                          overlay.size, view.split,      {view.first_share, view.second_share}};
+  DIAPHANE_CUDA_TRY(
+      cuda::add_second(cells, cells_, bounds_.data(), majorants_.data(), summary_.data(), stream));
+  return download(&found_, summary_, 1, stream);
+}
+
 Result<void> Acceleration::rebuild_exact(const CudaVolume& volume, const ExactTables& tables,
                                          cudaStream_t stream) {
   DIAPHANE_TRY(ensure(pieces_, tables.pieces.size()));
@@ -88,7 +100,7 @@ double Acceleration::empty_cells() const {
 std::uint64_t Acceleration::device_bytes() const {
   return maxima_.bytes() + minima_.bytes() + bounds_.bytes() + summary_.bytes() + pieces_.bytes() +
          piece_of_.bytes() + clear_until_.bytes() + skips_.bytes() + looks_.bytes() +
-         label_ranges_.bytes();
+         label_ranges_.bytes() + majorants_.bytes();
 }
 
 }  // namespace diaphane::render::cuda

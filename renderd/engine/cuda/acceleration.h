@@ -6,6 +6,7 @@
 #include "renderd/engine/cuda/memory.h"
 #include "renderd/engine/cuda/volume.h"
 #include "renderd/scene/labels.h"
+#include "renderd/scene/overlay.h"
 #include "renderd/scene/transfer.h"
 
 namespace diaphane::render::cuda {
@@ -29,6 +30,12 @@ class Acceleration {
   /// null if the scene has none. Waits for the result, because it decides which kernel is used.
   Result<void> rebuild_acceleration(const CudaVolume& volume, const PreparedTransfer& transfer,
                                     const PreparedLabels* labels, cudaStream_t stream);
+  /// Adds the second scan to the bounds. `second` must be rebuilt for its own volume. Call it after
+  /// rebuild_acceleration(). Waits for the result, likewise.
+  Result<void> add_second(const Acceleration& second, const PreparedOverlay& overlay,
+                          cudaStream_t stream);
+  /// Returns OverlayView::majorants, which is valid after add_second().
+  const float* majorants() const { return majorants_.data(); }
   /// Returns LabelsView::looks, which is valid if the last rebuild had labels.
   const LabelLook* looks() const { return looks_.data(); }
 
@@ -58,6 +65,7 @@ class Acceleration {
   DeviceBuffer<float> maxima_, minima_;  ///< TableRows
   DeviceBuffer<CellBounds> bounds_;
   DeviceBuffer<CellSummary> summary_;
+  DeviceBuffer<float> majorants_;  ///< empty if there was never a second scan
   // Empty if the volume has no labels.
   DeviceBuffer<LabelLook> looks_;
   DeviceBuffer<LabelRange> label_ranges_;

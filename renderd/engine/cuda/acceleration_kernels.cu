@@ -92,12 +92,29 @@ __device__ CellBounds bounds_over(const TableRows& table, double low, double hig
   return bounds;
 }
 
+/// Adds the bounds of one cell per thread to the summary. All threads of a warp must call it.
+__device__ void summarise(CellBounds b, std::int32_t cell, Int3 cells, CellSummary* summary) {
+  Int3 low{1 << 30, 1 << 30, 1 << 30}, high{-1, -1, -1};
+  if (b.majorant > 0.0f) low = high = coordinates(cell, cells);
+  const std::uint32_t occupied = __popc(__ballot_sync(~0u, b.majorant > 0.0f));
+  const std::int32_t lows[3] = {warp_min(low.x), warp_min(low.y), warp_min(low.z)};
+  const std::int32_t highs[3] = {warp_max(high.x), warp_max(high.y), warp_max(high.z)};
+  // Floats that are not negative have the same order as their bits.
+  const std::int32_t widest = warp_max(__float_as_int(b.majorant - b.minorant));
+  if (threadIdx.x % kWarp != 0 || occupied == 0) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    atomicMin(&summary->low[axis], lows[axis]);
+    atomicMax(&summary->high[axis], highs[axis]);
+  }
+  atomicAdd(&summary->occupied, occupied);
+  atomicMax(reinterpret_cast<std::int32_t*>(&summary->widest), widest);
+}
+
 __global__ void bounds_kernel(const ValueRange* ranges, Int3 cells, std::int32_t count,
                               TableRows table, ValueMapping mapping, CellLabels labels,
                               CellBounds* bounds, CellSummary* summary) {
   const std::int32_t cell = static_cast<std::int32_t>(thread_index());
   CellBounds b{0.0f, 0.0f};
-  Int3 low{1 << 30, 1 << 30, 1 << 30}, high{-1, -1, -1};
   if (cell < count) {
     // Because of rounding, interpolation in the table may leave the range of its nodes.
     constexpr float kUp = 1 + 1e-6f, kDown = 1 - 1e-6f;
@@ -112,20 +129,23 @@ __global__ void bounds_kernel(const ValueRange* ranges, Int3 cells, std::int32_t
       b = {b.minorant * shown.least, b.majorant * shown.most};
     }
     bounds[cell] = b;
-    if (b.majorant > 0.0f) low = high = coordinates(cell, cells);
   }
-  const std::uint32_t occupied = __popc(__ballot_sync(~0u, b.majorant > 0.0f));
-  const std::int32_t lows[3] = {warp_min(low.x), warp_min(low.y), warp_min(low.z)};
-  const std::int32_t highs[3] = {warp_max(high.x), warp_max(high.y), warp_max(high.z)};
-  // Floats that are not negative have the same order as their bits.
-  const std::int32_t widest = warp_max(__float_as_int(b.majorant - b.minorant));
-  if (threadIdx.x % kWarp != 0 || occupied == 0) return;
-  for (int axis = 0; axis < 3; ++axis) {
-    atomicMin(&summary->low[axis], lows[axis]);
-    atomicMax(&summary->high[axis], highs[axis]);
+  summarise(b, cell, cells, summary);
+}
+
+/// Adds the second scan to the bounds of the first in each cell.
+__global__ void second_kernel(SecondCells second, Int3 cells, std::int32_t count,
+                              CellBounds* bounds, float* majorants, CellSummary* summary) {
+  const std::int32_t cell = static_cast<std::int32_t>(thread_index());
+  CellBounds b{0.0f, 0.0f};
+  if (cell < count) {
+    const CellBounds own = second_bounds(second.map, coordinates(cell, cells), second.bounds,
+                                         second.cells, second.size);
+    b = mixed_bounds(bounds[cell], own, second.split, second.shares);
+    majorants[cell] = own.majorant;
+    bounds[cell] = b;
   }
-  atomicAdd(&summary->occupied, occupied);
-  atomicMax(reinterpret_cast<std::int32_t*>(&summary->widest), widest);
+  summarise(b, cell, cells, summary);
 }
 
 std::int32_t count_of(Int3 cells) { return cells.x * cells.y * cells.z; }
@@ -154,6 +174,14 @@ cudaError_t bound_cells(const ValueRange* ranges, Int3 cells, const TableRows& t
   const std::int32_t count = count_of(cells);
   bounds_kernel<<<blocks_for(static_cast<std::uint32_t>(count)), kBlock, 0, stream>>>(
       ranges, cells, count, table, mapping, labels, bounds, summary);
+  return cudaGetLastError();
+}
+
+cudaError_t add_second(const SecondCells& second, Int3 cells, CellBounds* bounds, float* majorants,
+                       CellSummary* summary, cudaStream_t stream) {
+  const std::int32_t count = count_of(cells);
+  second_kernel<<<blocks_for(static_cast<std::uint32_t>(count)), kBlock, 0, stream>>>(
+      second, cells, count, bounds, majorants, summary);
   return cudaGetLastError();
 }
 

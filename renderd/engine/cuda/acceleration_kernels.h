@@ -3,6 +3,7 @@
 #include <cuda_runtime_api.h>
 
 #include "renderd/engine/cuda/trace_types.h"
+#include "renderd/kernel/overlay.h"
 #include "renderd/scene/grid.h"
 #include "renderd/scene/labels.h"
 
@@ -54,5 +55,18 @@ struct CellLabels {
 cudaError_t bound_cells(const ValueRange* ranges, Int3 cells, const TableRows& table,
                         const ValueMapping& mapping, const CellLabels& labels, CellBounds* bounds,
                         CellSummary* summary, cudaStream_t stream);
+
+/// The second scan of a scene, for add_second().
+struct SecondCells {
+  AffineMap map;             ///< OverlayView::map
+  const CellBounds* bounds;  ///< of the second scan's own cells
+  Int3 cells, size;          ///< of the second scan
+  bool split;
+  MatterShares<true> shares;
+};
+/// Adds the second scan to the bounds of each cell, and computes OverlayView::majorants. They equal
+/// the results of prepare_overlay(). `summary` must be kNothingFound before the call.
+cudaError_t add_second(const SecondCells& second, Int3 cells, CellBounds* bounds, float* majorants,
+                       CellSummary* summary, cudaStream_t stream);
 
 }  // namespace diaphane::render::cuda

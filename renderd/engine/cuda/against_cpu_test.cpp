@@ -34,18 +34,27 @@ struct Moments {
   double variance() const { return (squares - sum * sum / kRuns) / (kRuns - 1) / kRuns; }
 };
 
-/// Returns three moments per tile, one for each colour.
+/// A turn by 0.44 about z and a shift.
+volume::Matrix turned() {
+  const double c = std::cos(0.44), s = std::sin(0.44);
+  return {c, -s, 0, 3, s, c, 0, -2, 0, 0, 1, 1.5, 0, 0, 0, 1};
+}
+
+/// Returns three moments per tile, one for each colour. `second` is a second scan, or null.
 std::vector<Moments> tile_moments(Engine& engine, const volume::Volume& volume,
                                   const diaphane::v1::Scene& scene, std::uint32_t samples,
                                   std::uint64_t first_seed,
-                                  Method method = {.walk = Walk::kTracking}) {
+                                  Method method = {.walk = Walk::kTracking},
+                                  const volume::Volume* second = nullptr) {
   const std::uint32_t across = kCanvas.width / kTile, down = kCanvas.height / kTile;
   std::vector<Moments> moments(3 * across * down);
   const auto loaded = engine.load(volume);
   EXPECT_TRUE(loaded);
+  const auto loaded_second = second != nullptr ? engine.load(*second).value() : nullptr;
   for (std::uint32_t run = 0; run < kRuns && loaded; ++run) {
     auto one = engine.renderer(*loaded, first_seed + run, 0, method);
     EXPECT_TRUE(one);
+    if (loaded_second != nullptr) EXPECT_TRUE((*one)->set_second(loaded_second, turned()));
     EXPECT_TRUE(render_all(**one, scene, kCanvas, samples));
     const auto pixels = radiance_of(**one);
     std::vector<double> sums(moments.size());
@@ -127,6 +136,31 @@ TEST_F(CudaAgainstCpuTest, LabelsHaveTheSameMean) {
   test::set(scene.mutable_labels(1)->mutable_colour(), 0.9, 0.2, 0.1);
   scene.mutable_labels(2)->set_opacity(0);
   expect_same(volume, scene, kFew);
+}
+
+TEST_F(CudaAgainstCpuTest, TwoScansHaveTheSameMean) {
+  const auto first = lumpy_volume(40, 30, 25);
+  const auto second =
+      test::make_volume({14, 11, 9}, {2.2, 2.4, 2.5},
+                        [](double x, double y, double) { return 100 + 70 * x + 12 * std::cos(y); });
+  const auto cpu = make_cpu_engine(0);
+  for (const bool split : {false, true}) {
+    auto scene = full_scene();
+    auto& overlay = *scene.mutable_overlay();
+    test::add_channel(*overlay.mutable_transfer_function(), {{100, 0}, {1000, 1}, {3000, 1}}, 0.1,
+                      0.3, 0.9);
+    overlay.mutable_transfer_function()->set_extinction_per_mm(0.2);
+    overlay.set_share(0.5);
+    if (split) {
+      overlay.set_mode(diaphane::v1::Overlay::SPLIT);
+      overlay.set_split(0.45);
+    }
+    SCOPED_TRACE(split ? "split" : "mixed");
+    const Method method{.walk = Walk::kTracking};
+    EXPECT_EQ(rejections(tile_moments(*cpu, first, scene, kMany, 1000, method, &second),
+                         tile_moments(*engine_, first, scene, kMany, 2000, method, &second)),
+              0);
+  }
 }
 
 TEST_F(CudaAgainstCpuTest, HighlightHasTheSameMean) {

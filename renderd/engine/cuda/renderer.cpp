@@ -88,9 +88,10 @@ Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
   if (other) {
     DIAPHANE_TRY(upload(tables_.colour, transfer.colour.data(), transfer.colour.size(), stream));
   }
-  if (other || prepared.labels != prepared_.labels) {
+  if (other || prepared.labels != prepared_.labels || prepared.overlay != prepared_.overlay) {
     DIAPHANE_TRY(tables_.acceleration.rebuild_acceleration(*volume_, transfer,
                                                            prepared.labels.get(), stream));
+    if (prepared.overlay) DIAPHANE_TRY(upload_second(prepared));
   }
   return upload_lights(prepared);
 }
@@ -152,21 +153,13 @@ void CudaRenderer::adopt_tables(Tables larger, const PreparedScene& prepared) {
   }
 }
 
-Result<void> CudaRenderer::set_volume(std::shared_ptr<const DeviceVolume> volume) {
-  auto ours = std::dynamic_pointer_cast<const CudaVolume>(std::move(volume));
-  if (!ours || ours->device() != volume_->device()) {
-    return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
-  }
-  next_volume_ = std::move(ours);
-  return {};
-}
-
 Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
   use_device();
   const bool keeps_volume = film_ && next_volume_ == volume_;
+  const auto second = second_scan();
   auto prepared = prepare_scene(scene, canvas, next_volume_->header(), next_volume_->grid(),
                                 film_ ? &prepared_ : nullptr, keeps_volume ? &scene_ : nullptr,
-                                next_volume_->baked());
+                                next_volume_->baked(), second ? &*second : nullptr);
   DIAPHANE_TRY(prepared);
   if (method_.walk == Walk::kExact && !use_exact_walk(*prepared, method_)) {
     return fail(ErrorCode::kUnsupported, "the exact walk cannot render this scene", "estimator");
@@ -183,6 +176,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   // Launches of a stopped batch may still read the tables and write to the film.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream_.get()));
   volume_ = next_volume_;
+  second_ = next_second_;
   adopt_tables(std::move(*larger), *prepared);
   if (film) film_ = std::move(film);
   film_->reshape(canvas);
@@ -297,6 +291,7 @@ SceneView<TextureVolume> CudaRenderer::view() const {
   view.transfer.gloss = tables_.gloss.data();
   view.transfer.emission = tables_.emission.data();
   if (prepared_.labels) view.labels = {volume_->labels(), tables_.acceleration.looks()};
+  if (prepared_.overlay) add_overlay(prepared_, second_.volume->view(), second_arrays(), view);
   if (exact_) {
     view.exact = exact_view_of(prepared_, volume_->grid(), volume_->view().size,
                                tables_.acceleration.pieces(), tables_.acceleration.piece_of(),

@@ -34,6 +34,8 @@ class CudaRenderer : public FrameRenderer {
   ~CudaRenderer() override;
 
   Result<void> set_volume(std::shared_ptr<const DeviceVolume> volume) override;
+  Result<void> set_second(std::shared_ptr<const DeviceVolume> volume,
+                          const volume::Matrix& to_first) override;
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override;
   Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override;
   Progress progress() const override;
@@ -70,6 +72,16 @@ class CudaRenderer : public FrameRenderer {
     DeviceBuffer<Float4> texels;
     DeviceBuffer<float> texture_rows;
   };
+  /// The second scan of a scene and its arrays on the device (renderer_second.cpp).
+  struct Second {
+    std::shared_ptr<const CudaVolume> volume;  ///< null: none
+    volume::Matrix to_first = volume::kIdentity;
+    bool operator==(const Second&) const = default;
+  };
+  struct SecondTables {
+    Acceleration acceleration;
+    DeviceBuffer<Float4> colour, gloss, emission;
+  };
   /// The launches of one call of render(). The call measures them, and waits for the oldest launch
   /// if too many are in flight.
   struct Flight {
@@ -92,6 +104,10 @@ class CudaRenderer : public FrameRenderer {
   void adopt_tables(Tables larger, const PreparedScene& prepared);
   Result<void> upload_tables(const PreparedScene& prepared);
   SceneView<TextureVolume> view() const;
+  std::optional<SecondScan> second_scan() const;
+  /// Allocates and uploads the tables of the second scan, and adds it to the acceleration.
+  Result<void> upload_second(const PreparedScene& prepared);
+  OverlayArrays second_arrays() const;
   Result<void> upload_lights(const PreparedScene& prepared);
   LightArrays light_arrays() const;
   /// Prepares tables and memory of the exact walk if the scene uses it.
@@ -115,6 +131,8 @@ class CudaRenderer : public FrameRenderer {
 
   std::shared_ptr<const CudaVolume> volume_;       ///< of the picture
   std::shared_ptr<const CudaVolume> next_volume_;  ///< of the next scene
+  Second second_, next_second_;                    ///< likewise
+  SecondTables second_tables_;                     ///< empty if there was never a second scan
   DeviceShares shares_;
   std::shared_ptr<CudaDenoiser> denoiser_;  ///< null unless this picture may be denoised
   bool guided_ = false;

@@ -34,6 +34,8 @@ class CudaVolume : public DeviceVolume {
   const ValueGrid& grid() const { return grid_; }
   /// Returns the transfer functions baked for this phase of a scan, or null if there is one phase.
   TransferCache* baked() const { return header_.phase_count() > 1 ? &baked_ : nullptr; }
+  /// Returns the transfer functions baked for this volume as the second scan of a session.
+  TransferCache* always_baked() const { return &baked_; }
   const ValueRange* ranges() const { return ranges_.data(); }
   TextureVolume view() const;
   /// These return LabelsView::voxels and LabelGrid::set_of_cell, or null if there are no labels.

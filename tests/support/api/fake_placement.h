@@ -28,8 +28,12 @@ class FakePlacement final : public Placement, public Fake {
   Result<Placed> place(const PlaceRequest& request) override {
     DIAPHANE_TRY(enter("place"));
     requests.push_back(request);
+    // The second scan stays, as Redis keeps it.
+    const auto known = sessions.find(request.session_id);
+    const std::string over = known == sessions.end() ? request.over : known->second.over;
     add_session(request.session_id, request.user_id, request.data_set_id);
     sessions[request.session_id].charged_to = request.charged_to;
+    sessions[request.session_id].over = over;
     return Placed{"ticket" + std::to_string(requests.size()), "worker", 1};
   }
   Result<SessionInfo> find(std::string_view id) override {
@@ -44,7 +48,9 @@ class FakePlacement final : public Placement, public Fake {
   }
   Result<std::vector<SessionInfo>> sessions_on(std::string_view data_set_id) override {
     DIAPHANE_TRY(enter("sessions_on"));
-    return sessions_with([&](const SessionInfo& one) { return one.data_set_id == data_set_id; });
+    return sessions_with([&](const SessionInfo& one) {
+      return one.data_set_id == data_set_id || one.over == data_set_id;
+    });
   }
   Result<void> end(std::string_view id) override {
     DIAPHANE_TRY(enter("end"));

@@ -328,12 +328,9 @@ Phantom make_phantom(const std::string& name) {
 Agreement agreement(const Phantom& phantom, const std::vector<std::uint8_t>& labels) {
   std::array<double, 3> all{}, hit{};
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const auto label = static_cast<volume::Label>(labels[i]);
-    const bool is_body = label == volume::Label::kBody || label == volume::Label::kMetal ||
-                         label == volume::Label::kBrain;
     const std::uint8_t truth = phantom.truth[i];
     ++all[truth];
-    hit[truth] += is_body == (truth == 1) ? 1 : 0;
+    hit[truth] += volume::is_body(labels[i]) == (truth == 1) ? 1 : 0;
   }
   return {all[1] > 0 ? hit[1] / all[1] : 1, all[2] > 0 ? hit[2] / all[2] : 1};
 }

@@ -29,10 +29,12 @@ struct FakeDevice {
   std::atomic<double> last_eye_x{0};
   std::atomic<double> helped_seconds{0};  ///< added to each batch as work done by other workers
   std::atomic<int> rendering{0};
-  std::atomic<int> most_at_once{0};        ///< most renderers that rendered at once
-  std::atomic<bool> one_at_a_time{false};  ///< renderers wait for each other, as on a full device
-  std::atomic<unsigned> precedence{0};     ///< of the work begun last
-  std::atomic<unsigned> raised_to{0};      ///< while it was in flight
+  std::atomic<int> most_at_once{0};          ///< most renderers that rendered at once
+  std::atomic<bool> one_at_a_time{false};    ///< renderers wait for each other, as on a full device
+  std::atomic<unsigned> precedence{0};       ///< of the work begun last
+  std::atomic<unsigned> raised_to{0};        ///< while it was in flight
+  std::weak_ptr<const DeviceVolume> second;  ///< of the renderer that got one last
+  volume::Matrix to_first{};
   std::mutex turn;
 };
 
@@ -43,6 +45,13 @@ class FakeRenderer final : public FrameRenderer {
 
   Result<void> set_volume(std::shared_ptr<const DeviceVolume> volume) override {
     volume_ = std::move(volume);
+    return {};
+  }
+
+  Result<void> set_second(std::shared_ptr<const DeviceVolume> volume,
+                          const volume::Matrix& to_first) override {
+    device_->second = volume;
+    device_->to_first = to_first;
     return {};
   }
 

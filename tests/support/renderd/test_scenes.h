@@ -141,6 +141,14 @@ class Prepared {
       : volume_(std::move(volume)),
         grid_(grid_of(volume_)),
         scene_(prepare_scene(scene, canvas, volume_.header, grid_).value()) {}
+  /// With a second scan. `to_first` maps its points to those of the first.
+  Prepared(volume::Volume volume, volume::Volume second, const volume::Matrix& to_first,
+           const diaphane::v1::Scene& scene, Canvas canvas = {16, 16})
+      : volume_(std::move(volume)),
+        second_(std::move(second)),
+        grid_(grid_of(volume_)),
+        second_grid_(grid_of(second_)),
+        scene_(with_second(to_first, scene, canvas)) {}
 
   const PreparedScene& scene() const { return scene_; }
   const ValueGrid& grid() const { return grid_; }
@@ -155,6 +163,16 @@ class Prepared {
     if (scene_.labels) {
       view.labels = {volume_.label_set.labels.voxels.data(), scene_.labels->looks.data()};
     }
+    if (scene_.overlay) {
+      const PreparedTransfer& o = *scene_.overlay->transfer;
+      const auto table = [](const std::vector<Float4>& values) {
+        return values.empty() ? nullptr : values.data();
+      };
+      add_overlay(scene_, LinearVolume{second_.voxels.data(), size_of(second_.header)},
+                  {o.extinction.data(), o.colour.data(), table(o.gloss), table(o.emission),
+                   scene_.overlay->majorants.data()},
+                  view);
+    }
     view.exact = exact_view_of(scene_, grid_, size_of(volume_.header), t.exact.pieces.data(),
                                t.exact.piece_of.data(), t.exact.skips.data());
     return view;
@@ -167,8 +185,15 @@ class Prepared {
     return grid;
   }
 
-  volume::Volume volume_;
-  ValueGrid grid_;
+  PreparedScene with_second(const volume::Matrix& to_first, const diaphane::v1::Scene& scene,
+                            Canvas canvas) const {
+    const SecondScan second{second_.header, second_grid_, to_first};
+    return prepare_scene(scene, canvas, volume_.header, grid_, nullptr, nullptr, nullptr, &second)
+        .value();
+  }
+
+  volume::Volume volume_, second_;  ///< the second may be empty
+  ValueGrid grid_, second_grid_;
   PreparedScene scene_;
 };
 

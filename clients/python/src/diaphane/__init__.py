@@ -1,6 +1,6 @@
 """Renders CT and MR scans photo-realistically on a Diaphane server. Each picture comes with an estimate of its error."""
 
-from ._generated.scene_pb2 import Scene
+from ._generated.scene_pb2 import Overlay, Scene
 from .client import Diaphane, Scan
 from .errors import (
     ApiError,
@@ -18,11 +18,12 @@ from .errors import (
     UploadInterrupted,
     WaitedTooLong,
 )
-from .picture import ErrorCurve, ErrorPoint, Picture, Slice
+from .picture import Alignment, ErrorCurve, ErrorPoint, Picture, Slice
 from .session import Session
 
 __version__ = "1.0.0"
 __all__ = [
+    "Alignment",
     "ApiError",
     "AuthenticationError",
     "BusyError",
@@ -34,6 +35,7 @@ __all__ = [
     "ForbiddenError",
     "InvalidError",
     "NotFoundError",
+    "Overlay",
     "Picture",
     "QuotaError",
     "Scan",

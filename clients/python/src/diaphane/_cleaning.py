@@ -6,27 +6,28 @@ the expected form, is not sent. So names, dates, ID numbers, comments and privat
 
 from __future__ import annotations
 
-import gzip
 import hashlib
 import io
 import re
-import struct
-from collections.abc import Iterable
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import nibabel
-import numpy as np
 import pydicom
-from nibabel.filebasedimages import ImageFileError
 from pydicom.dataelem import DataElement
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
 from pydicom.errors import InvalidDicomError
 from pydicom.sequence import Sequence as DicomSequence
 from pydicom.uid import UID
 
+from ._research import clean_research_file, is_research_file
 from .errors import UnreadableFile
+
+#: The most bytes of an unpacked ZIP archive.
+MOST_UNPACKED = 8 << 30
 
 #: The elements that may be sent, by the form of their values.
 KEPT_TAGS: dict[int, str] = {
@@ -204,60 +205,42 @@ def series_in(paths: Iterable[Path]) -> list[Series]:
     return sorted((Series(uid, tuple(files)) for uid, files in found.items()), key=lambda one: -len(one.files))
 
 
-_NIFTI_TYPES = {"uint8": 2, "int16": 4, "int32": 8, "float32": 16, "float64": 64, "int8": 256, "uint16": 512, "uint32": 768}
-
-
-def clean_nifti(path: Path) -> bytes:
-    """Returns a scan in NIfTI as the file to upload: unpacked voxels and a new header (ingest/build/nifti.h)."""
-    try:
-        image: Any = nibabel.load(path)
-        voxels = np.asarray(image.dataobj.get_unscaled())
-        slope, intercept = image.dataobj.slope, image.dataobj.inter
-    except (ImageFileError, AttributeError, OSError, EOFError, gzip.BadGzipFile) as error:
-        raise UnreadableFile(f"{path.name} is not a NIfTI file") from error
-    while voxels.ndim > 3 and voxels.shape[-1] == 1:
-        voxels = voxels[..., 0]
-    kind = voxels.dtype.newbyteorder("=").name
-    if voxels.ndim not in (3, 4) or kind not in _NIFTI_TYPES:
-        raise UnreadableFile(f"{path.name} must contain volumes of single numbers")
-    has_axes = int(image.header["sform_code"]) > 0 or int(image.header["qform_code"]) > 0
-    spacing = [float(one) for one in image.header.get_zooms()[:3]]
-    header = bytearray(352)
-    struct.pack_into("<i", header, 0, 348)
-    struct.pack_into("<8h", header, 40, voxels.ndim, *voxels.shape, *[1] * (7 - voxels.ndim))
-    struct.pack_into("<2h", header, 70, _NIFTI_TYPES[kind], 8 * voxels.dtype.itemsize)
-    struct.pack_into("<3f", header, 108, 352, slope, intercept)
-    # Units that are not stated are mm, in most files.
-    stated = int(image.header["xyzt_units"])
-    units = {1: 1000.0, 3: 0.001}.get(stated & 7, 1.0)
-    ms = {8: 1000.0, 16: 1.0, 24: 0.001}.get(stated & 0x38)
-    is_timed = voxels.ndim == 4 and ms is not None
-    step = float(image.header.get_zooms()[3]) * (ms or 0) if is_timed else 0
-    struct.pack_into("<5f", header, 76, 1, *(one * units for one in spacing), step)
-    header[123] = 2 | (16 if is_timed else 0)  # mm and ms
-    if has_axes:
-        struct.pack_into("<h", header, 254, 1)
-        struct.pack_into("<12f", header, 280, *(float(one) * units for one in np.asarray(image.affine)[:3].ravel()))
-    header[344:348] = b"n+1\0"
-    return bytes(header) + voxels.astype(voxels.dtype.newbyteorder("<")).tobytes(order="F")
-
-
-def is_nifti(path: Path) -> bool:
-    return path.name.lower().endswith((".nii", ".nii.gz"))
-
-
-def clean_files(path: str | Path, series: str | None = None) -> list[bytes]:
-    """Returns the files of a scan without personal data, ready to upload."""
+def clean_files(path: str | Path, series: str | None = None, phases: Sequence[int] | None = None) -> list[bytes]:
+    """Returns the files of a scan without personal data, ready to upload. `phases`: those to keep of a research file."""
     path = Path(path)
     if not path.exists():
         raise UnreadableFile(f"{path} does not exist")
-    if path.is_file() and is_nifti(path):
-        return [clean_nifti(path)]
-    found = series_in([path] if path.is_file() else sorted(one for one in path.rglob("*") if one.is_file()))
+    if path.is_file() and is_research_file(path):
+        return [clean_research_file(path, phases)]
+    if path.is_file() and zipfile.is_zipfile(path):
+        with tempfile.TemporaryDirectory(prefix="diaphane-") as folder:
+            return _clean_folder(path, _unpacked(path, Path(folder)), series, phases)
+    return _clean_folder(path, [path] if path.is_file() else sorted(one for one in path.rglob("*") if one.is_file()), series, phases)
+
+
+def _unpacked(path: Path, folder: Path) -> list[Path]:
+    """Unpacks a ZIP archive, and returns its files in order."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            if sum(one.file_size for one in archive.infolist()) > MOST_UNPACKED:
+                raise UnreadableFile(f"{path} is larger than {MOST_UNPACKED >> 30} GB when unpacked")
+            archive.extractall(folder)
+    except (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, EOFError, OSError) as error:
+        raise UnreadableFile(f"{path} cannot be unpacked: it is damaged or protected by a password") from error
+    return sorted(one for one in folder.rglob("*") if one.is_file())
+
+
+def _clean_folder(path: Path, files: list[Path], series: str | None, phases: Sequence[int] | None) -> list[bytes]:
+    found = series_in(files)
+    images = [one for one in files if is_research_file(one)]
+    if not found and len(images) == 1:
+        return [clean_research_file(images[0], phases)]
     if series is not None:
         found = [one for one in found if one.uid == series]
     if not found:
         raise UnreadableFile(f"{path} contains no slices of a CT, MR or PET scan")
     if len(found) > 1:
         raise UnreadableFile(f"{path} contains {len(found)} series; choose one with series=: {', '.join(map(str, found))}")
+    if phases is not None:
+        raise ValueError("phases can be chosen for NIfTI, NRRD and MetaImage only; the server sorts DICOM files into phases")
     return [clean_dicom(pydicom.dcmread(file), number) for number, file in enumerate(found[0].files, 1)]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import io
 import tarfile
 import time
 from collections.abc import Callable, Sequence
+from mmap import mmap
 
 from ._http import Api
 from .errors import ApiError, BusyError, ConnectionLost, UploadInterrupted
@@ -17,20 +17,23 @@ PART = 8 * 1024 * 1024
 _TUS = {"Tus-Resumable": "1.0.0"}
 
 
+#: The end of a bundle.
+END = b"\0" * 2 * tarfile.BLOCKSIZE
+
+
+def member(number: int, data: bytes) -> tuple[bytes, bytes, bytes]:
+    """Returns the header, the contents and the padding of a file in a bundle. The first number is 1."""
+    info = tarfile.TarInfo(f"{number:05d}.dcm")
+    info.size, info.mode = len(data), 0o644
+    return info.tobuf(tarfile.USTAR_FORMAT), data, b"\0" * (-len(data) % tarfile.BLOCKSIZE)
+
+
 def bundle(files: Sequence[bytes]) -> bytes:
     """Returns the tar that the page makes of the same files (docs/contracts.md, "Upload bundle")."""
-    out = io.BytesIO()
-    for number, data in enumerate(files, 1):
-        info = tarfile.TarInfo(f"{number:05d}.dcm")
-        info.size, info.mode = len(data), 0o644
-        out.write(info.tobuf(tarfile.USTAR_FORMAT))
-        out.write(data)
-        out.write(b"\0" * (-len(data) % tarfile.BLOCKSIZE))
-    out.write(b"\0" * 2 * tarfile.BLOCKSIZE)
-    return out.getvalue()
+    return b"".join(piece for number, data in enumerate(files, 1) for piece in member(number, data)) + END
 
 
-def send(api: Api, scan_id: str, data: bytes, progress: Callable[[float], object] | None, patience: float) -> None:
+def send(api: Api, scan_id: str, data: bytes | mmap, progress: Callable[[float], object] | None, patience: float) -> None:
     """Sends what the server does not have yet. Raises UploadInterrupted if it was not reachable for `patience` seconds."""
     deadline = time.monotonic() + patience
     offset: int | None = None
@@ -56,7 +59,7 @@ def send(api: Api, scan_id: str, data: bytes, progress: Callable[[float], object
                 progress(offset / len(data))
 
 
-def _send_part(api: Api, scan_id: str, data: bytes, offset: int) -> int:
+def _send_part(api: Api, scan_id: str, data: bytes | mmap, offset: int) -> int:
     part = data[offset:offset + PART]
     digest = base64.b64encode(hashlib.sha256(part).digest()).decode()
     answer = api.call("appendToUpload", upload_id=scan_id, content=part, headers={

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, cast
 
 import httpx
+import numpy as np
 
 from ._cleaning import clean_files
 from ._generated import models
 from ._http import Api
 from ._upload import bundle, send
 from .errors import DiaphaneError, ScanError, WaitedTooLong
-from .picture import Picture, Slice
+from .picture import Alignment, Picture, Slice
 from .session import Look, Plane, Session
 
 _FINAL = ("ready", "refused", "expired")
@@ -61,14 +62,17 @@ class Diaphane:
         return Scan(self.api, self.api.json("getDataSet", data_set_id=scan_id, wait=30))
 
     def upload(self, path: str | Path, title: str = "", series: str | None = None, resume: str | None = None,
-               progress: Callable[[float], object] | None = None, patience: float = 60) -> Scan:
-        """Uploads a folder of DICOM slices, a DICOM file or a NIfTI file, and returns the scan, which the server then prepares.
+               progress: Callable[[float], object] | None = None, patience: float = 60, phases: Sequence[int] | None = None) -> Scan:
+        """Uploads a scan, and returns it while the server prepares it.
+
+        `path` is a folder of DICOM slices, a DICOM file, a ZIP archive of either, or a NIfTI, NRRD or MetaImage file. Of these last
+        three, `phases` chooses the phases to send by their numbers, from 0, such as range(0, 20, 2).
 
         The patient's name, dates, ID numbers and comments are removed before anything is sent, by the rules of the web page.
         A folder with several series needs `series`, a SeriesInstanceUID. If the connection is lost for longer than `patience`
         seconds, UploadInterrupted names the scan to pass as `resume`.
         """
-        data = bundle(clean_files(path, series))
+        data = bundle(clean_files(path, series, phases))
         if resume is None:
             made = self.api.json("createDataSet", body={"title": title, "bytes": len(data)}, wait=patience, repeatable=True)
             scan_id = made["data_set"]["id"]
@@ -153,11 +157,27 @@ class Scan:
         self._api.call("deleteScanExport", data_set_id=self.id)
         return path
 
-    def session(self, width: int = 512, height: int = 512, timeout: float = 600) -> Session:
-        """Opens a session, in which several pictures are rendered faster."""
+    def session(self, width: int = 512, height: int = 512, timeout: float = 600, over: Scan | None = None) -> Session:
+        """Opens a session, in which several pictures are rendered faster.
+
+        `over` is a scan to show over this one. Both must share a frame of reference, or be aligned (see align).
+        """
         if self.state != "ready":
             raise DiaphaneError(f"the scan is {self.state}; call wait() first")
-        return Session(self._api, self.id, width, height, timeout)
+        return Session(self._api, self.id, width, height, timeout, over.id if over else None)
+
+    def align(self, second: Scan, timeout: float = 1800, interval: float = 1) -> Alignment:
+        """Aligns another scan with this one, unless they are aligned, and returns how it lies in the space of this one."""
+        found = self._api.json("requestAlignment", data_set_id=self.id, second_data_set_id=second.id)
+        deadline = time.monotonic() + timeout
+        while found["state"] in ("waiting", "running"):
+            if time.monotonic() >= deadline:
+                raise WaitedTooLong(f"the scans are not aligned after {timeout:g} s")
+            time.sleep(interval)
+            found = self._api.json("getAlignment", data_set_id=self.id, second_data_set_id=second.id, wait=30)
+        if found["state"] != "ready":
+            raise ScanError(found["reason"] or "failed", "the scans could not be aligned")
+        return Alignment(np.array(found["matrix"]).reshape(4, 4), found["residual_mm"], found["overlap"])
 
     def looks(self) -> list[str]:
         """Returns the names of the looks that suit this scan."""

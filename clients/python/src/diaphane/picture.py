@@ -25,6 +25,18 @@ class ErrorPoint(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Alignment:
+    """How a second scan lies in the space of a first one."""
+
+    #: 4 x 4, from the patient coordinates of the second scan to those of the first, in mm (LPS).
+    matrix: NDArray[np.float64]
+    #: An estimate of the error. None if both scans share a frame of reference.
+    residual_mm: float | None
+    #: Share of the smaller scan that lies in the other.
+    overlap: float | None
+
+
+@dataclass(frozen=True)
 class ErrorCurve:
     """The error of a picture as a function of rendering time and samples per pixel, from the first pass to the last."""
 

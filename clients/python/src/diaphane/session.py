@@ -8,14 +8,14 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
 from google.protobuf import json_format
 from numpy.typing import NDArray
 
 from ._generated import stream_pb2 as pb
-from ._generated.scene_pb2 import Scene, Vec3
+from ._generated.scene_pb2 import Overlay, Scene, Vec3
 from ._http import Api
 from ._stream import FinalPicture, Stream
 from .errors import NotFoundError, WaitedTooLong
@@ -28,6 +28,7 @@ Look = str | Scene | Mapping[str, Any] | None
 #: How a slab combines its samples.
 Projection = Literal["mean", "maximum", "minimum"]
 Vector = tuple[float, float, float]
+_Copied = TypeVar("_Copied", Scene, Overlay)
 
 _PROJECTIONS = {"mean": pb.PROJECTION_MEAN, "maximum": pb.PROJECTION_MAXIMUM, "minimum": pb.PROJECTION_MINIMUM}
 _PLANES = {"axial": pb.AXIAL, "coronal": pb.CORONAL, "sagittal": pb.SAGITTAL}
@@ -38,10 +39,11 @@ class Session:
     longer than a small picture.
     """
 
-    def __init__(self, api: Api, scan_id: str, width: int = 512, height: int = 512, timeout: float = 600):
+    def __init__(self, api: Api, scan_id: str, width: int = 512, height: int = 512, timeout: float = 600, over: str | None = None):
         self._api = api
         self._timeout = timeout
-        made = api.json("createSession", body={"data_set_id": scan_id}, wait=timeout, repeatable=True)
+        body = {"data_set_id": scan_id} | ({"over": over} if over else {})
+        made = api.json("createSession", body=body, wait=timeout, repeatable=True)
         self._id: str = made["session_id"]
         try:
             self._stream = Stream(api.origin, made["stream_url"], width, height, timeout)
@@ -74,6 +76,11 @@ class Session:
     def looks(self) -> dict[str, Scene]:
         """The looks that suit this scan, by name. Each call returns copies, which can be changed and rendered."""
         return {one.name: _copy(one.scene) for one in self._stream.config.presets}
+
+    @property
+    def second_looks(self) -> dict[str, Overlay]:
+        """The looks of the second scan over the first one, by name. Assign one to `overlay` of a scene. The first is the default."""
+        return {one.name: _copy(one.overlay) for one in self._stream.config.second.looks}
 
     def scene(self, look: Look = None) -> Scene:
         """Returns a copy of the scene of a look."""
@@ -212,9 +219,9 @@ def _vector(vector: NDArray[np.float64]) -> Vec3:
     return Vec3(x=vector[0], y=vector[1], z=vector[2])
 
 
-def _copy(scene: Scene) -> Scene:
-    copied = Scene()
-    copied.CopyFrom(scene)
+def _copy(message: _Copied) -> _Copied:
+    copied = type(message)()
+    copied.CopyFrom(message)
     return copied
 
 

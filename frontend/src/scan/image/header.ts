@@ -22,6 +22,11 @@ export interface ImageHeader {
   readonly size: Triple;
   /** Number of volumes, such as the moments of a time series. */
   readonly volumes: number;
+  /**
+   * Number of voxels that lie together before the next volume's: those of a whole volume, or fewer
+   * if the axis of the volumes is not the last one.
+   */
+  readonly run: number;
   /** Time from volume to volume in ms. Null if the file does not say. */
   readonly stepMs: number | null;
   /** Number of values per voxel, such as the three of a colour. */
@@ -49,6 +54,12 @@ export interface ImageHeader {
 /** Bytes of the voxels of all volumes, unpacked. */
 export const voxelBytes = ({ size: [x, y, z], volumes, type }: ImageHeader): number =>
   x * y * z * volumes * (type ? bytesOf[type] : 1);
+
+/** Bytes of the voxels of one volume, unpacked. */
+export const volumeBytes = (image: ImageHeader): number => voxelBytes(image) / image.volumes;
+
+/** Returns the time from volume to volume if it is one, else null. */
+export const stepOrNull = (ms: number): number | null => (ms > 0 && Number.isFinite(ms) ? ms : null);
 
 export const fromRas = ([x, y, z]: Triple): Triple => [-x, -y, z];
 

@@ -281,17 +281,80 @@ describe("a research file", () => {
     expect(unknown.header.stepMs).toBeNull();
   });
 
-  it("has phases in NRRD and MetaImage too", async () => {
-    const all = new Uint8Array(2 * voxels.length).map((_, i) => i % 241);
-    const sizes = "20 18 16 2";
-    const directions = "(0.5,0,0) (0,0.75,0) (0,0,1.5) none";
-    for (const head of [
-      nrrd("LPS", directions, `sizes: ${sizes}`),
-      text(new TextDecoder().decode(meta(identity, local)).trimEnd().replace("20 18 16", sizes).split("\n")),
-    ]) {
-      const found = await sent(file(head, all));
-      expect(found.series.verdict).toMatchObject({ size, phases: { kind: "index", count: 2 } });
-      expect(found.voxels).toEqual(all);
+  /** Voxels of three volumes, and the same with the axis of the volumes as the one number `axis` of the file. */
+  const moments = Int16Array.from({ length: 3 * count }, (_, i) => (i * 7919) % 30011);
+  const bytesOfMoments = new Uint8Array(moments.buffer);
+  function withMomentsAt(axis: number): Uint8Array<ArrayBuffer> {
+    const run = size.slice(0, axis).reduce((product, side) => product * side, 1);
+    const mixed = Int16Array.from(moments, (_, i) => {
+      const turn = Math.floor(i / (3 * run));
+      const volume = Math.floor(i / run) % 3;
+      return moments[volume * count + turn * run + (i % run)] ?? 0;
+    });
+    return new Uint8Array(mixed.buffer);
+  }
+  const inserted = (words: readonly string[], axis: number, word: string) =>
+    [...words.slice(0, axis), word, ...words.slice(axis)].join(" ");
+  const nrrdOf = (axis: number, kind: string, volumes = 3, ...more: readonly string[]) =>
+    nrrd(
+      "LPS",
+      inserted(["(0.5,0,0)", "(0,0.75,0)", "(0,0,1.5)"], axis, "none"),
+      `sizes: ${inserted(size.map(String), axis, `${volumes}`)}`,
+      `kinds: ${inserted(["domain", "domain", "domain"], axis, kind)}`,
+      ...more,
+    );
+
+  it("has phases in NRRD wherever their axis is, and whether it is packed", async () => {
+    for (const axis of [0, 1, 2, 3])
+      for (const kind of ["list", "time", "domain"]) {
+        const found = await sent(file(nrrdOf(axis, kind), withMomentsAt(axis)));
+        expect(found.series.verdict).toMatchObject({ size, phases: { kind: "index", count: 3 } });
+        expect(isNear(found.header.axes, upright)).toBe(true);
+        expect(found.voxels, `${kind}, ${axis}`).toEqual(bytesOfMoments);
+      }
+    const gzip = await packed(withMomentsAt(0), "gzip");
+    expect((await sent(file(nrrdOf(0, "list", 3, "encoding: gzip"), gzip))).voxels).toEqual(bytesOfMoments);
+    expect((await sent(file(nrrdOf(3, "???"), bytesOfMoments))).voxels).toEqual(bytesOfMoments);
+  });
+
+  it("keeps the time between the phases of an NRRD", async () => {
+    const stepOf = async (head: Uint8Array<ArrayBuffer>) => (await sent(file(head, bytesOfMoments))).header.stepMs;
+    const seconds = ["spacings: nan nan nan 0.04", 'units: "" "" "" "s"'];
+    expect(await stepOf(nrrdOf(3, "time", 3, ...seconds))).toBeCloseTo(40, 4);
+    expect(await stepOf(nrrdOf(3, "time", 3, "spacings: nan nan nan 0.04"))).toBeNull();
+    const directions = "(0.5,0,0,0) (0,0.75,0,0) (0,0,1.5,0) (0,0,0,75)";
+    const sizes = `sizes: ${size.join(" ")} 3`;
+    expect(await stepOf(nrrd("LPST", directions, sizes, 'space units: "mm" "mm" "mm" "ms"'))).toBe(75);
+  });
+
+  it("has phases in MetaImage, whose matrix then has four rows", async () => {
+    const matrix = "0 1 0 0 1 0 0 0 0 0 1 0 0 0 0 1";
+    const head = new TextDecoder()
+      .decode(meta(matrix, local))
+      .trimEnd()
+      .replace("NDims = 3", "NDims = 4")
+      .replace(size.join(" "), `${size.join(" ")} 3`)
+      .replace(steps.join(" "), `${steps.join(" ")} 40`);
+    const found = await sent(file(text(head.split("\n")), bytesOfMoments));
+    expect(found.series.verdict).toMatchObject({ size, phases: { kind: "index", count: 3 }, repairs: [] });
+    expect(found.header.axes).toEqual([
+      [0, 0.5, 0],
+      [0.75, 0, 0],
+      [0, 0, 1.5],
+    ]);
+    expect(found.voxels).toEqual(bytesOfMoments);
+  });
+
+  it("with colours or vectors is refused", async () => {
+    for (const [kind, parts] of [
+      ["vector", 3],
+      ["RGB-color", 3],
+      ["3D-symmetric-matrix", 6],
+      ["???", 3],
+    ] as const) {
+      const many = new Uint8Array(parts * voxels.length);
+      const { verdict } = only(await scanned(file(nrrdOf(0, kind, parts), many)));
+      expect(verdict, kind).toMatchObject({ suitable: false, reason: "pixel_format" });
     }
   });
 

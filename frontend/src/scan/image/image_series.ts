@@ -3,7 +3,7 @@ import { collected, wholeOf, type Piece } from "../piece";
 import type { Series, Thumbnail, Unsuitable } from "../types";
 import { planOf } from "../upload_plan";
 import { canonicalHeader } from "./canonical";
-import { voxelBytes, type ImageHeader, type VoxelType } from "./header";
+import { volumeBytes, voxelBytes, type ImageHeader, type VoxelType } from "./header";
 import { drawImageThumbnail } from "./image_thumbnail";
 import { judgeImage } from "./judge_image";
 
@@ -39,14 +39,22 @@ export async function imageSeries(
   if (!verdict.suitable || type === null) return { series: series({}), second: null };
   const second = header.begin === null ? fileOfVoxels(header, pieces) : null;
   if (header.begin === null && second === null) return { series: series({ verdict: missing }), second };
-  const voxels = await voxelsOf(header, second ?? file, pieces).catch(() => null);
+  const voxels = await volumesOf(header, second ?? file, pieces).catch(() => null);
   if (!voxels) return { series: series({ verdict: damaged }), second };
   const full = { ...header, type };
   const head = canonicalHeader(full);
   const to = voxels.from + voxelBytes(header);
-  const upload = planOf([
-    { file: voxels.file, head, from: voxels.from, to, inflated: voxels.isUnpacked ? voxels.blob : null },
-  ]);
+  const bytes = volumeBytes(header);
+  const upload = planOf(
+    Array.from({ length: header.volumes }, (_, i) => ({
+      file: voxels.file,
+      head: i === 0 ? head : new Uint8Array(),
+      from: voxels.from + i * bytes,
+      to: voxels.from + (i + 1) * bytes,
+      inflated: voxels.isUnpacked ? voxels.blob : null,
+    })),
+    true,
+  );
   const content = voxels.blob.slice(voxels.from, to);
   return {
     series: series({
@@ -88,6 +96,37 @@ function fileOfVoxels(header: ImageHeader, pieces: readonly Piece[]): number | n
   return fitting.length === 1 ? (fitting[0] ?? null) : null;
 }
 
+/** Returns the voxels volume by volume, or null if they are damaged. */
+async function volumesOf(header: ImageHeader, file: number, pieces: readonly Piece[]): Promise<Voxels | null> {
+  const voxels = await voxelsOf(header, file, pieces);
+  if (!voxels || header.run === voxelBytes({ ...header, volumes: 1, type: "int8" })) return voxels;
+  const { blob, from } = voxels;
+  return { file, blob: await byVolume(header, blob.slice(from, from + voxelBytes(header))), from: 0, isUnpacked: true };
+}
+
+/** Size of what is sorted at once. */
+const sortedBytes = 1 << 24;
+
+/** Sorts voxels, of which short runs of each volume alternate, by volume. */
+async function byVolume(header: ImageHeader, blob: Blob): Promise<Blob> {
+  const { volumes } = header;
+  const run = (header.run * volumeBytes(header)) / (header.size[0] * header.size[1] * header.size[2]);
+  const turn = run * volumes;
+  const parts = Array.from({ length: volumes }, (): Blob[] => []);
+  const step = Math.max(1, Math.floor(sortedBytes / turn)) * turn;
+  for (let at = 0; at < blob.size; at += step) {
+    const mixed = new Uint8Array(await blob.slice(at, at + step).arrayBuffer());
+    const turns = mixed.length / turn;
+    parts.forEach((part, volume) => {
+      const sorted = new Uint8Array(turns * run);
+      for (let i = 0, to = 0; i < turns; i++)
+        for (let byte = 0, from = i * turn + volume * run; byte < run; byte++) sorted[to++] = mixed[from++] ?? 0;
+      part.push(new Blob([sorted]));
+    });
+  }
+  return new Blob(parts.flat());
+}
+
 async function voxelsOf(header: ImageHeader, file: number, pieces: readonly Piece[]): Promise<Voxels | null> {
   const piece = pieces[file];
   if (!piece) return null;
@@ -110,7 +149,7 @@ async function thumbnailOf(
   content: Blob,
 ): Promise<Thumbnail | null> {
   const [, , z] = image.size;
-  const slice = voxelBytes(image) / image.volumes / z;
+  const slice = volumeBytes(image) / z;
   const middle = Math.floor(z / 2) * slice;
   try {
     return drawImageThumbnail(image, await content.slice(middle, middle + slice).arrayBuffer());

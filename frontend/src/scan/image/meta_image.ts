@@ -6,6 +6,7 @@ import {
   triple,
   type ImageHeader,
   type ImageRead,
+  type Triple,
   type VoxelType,
 } from "./header";
 
@@ -42,25 +43,19 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
   const sizes = numbersIn(get("DimSize") ?? "");
   const spacing = triple(numbersIn(get("ElementSpacing", "ElementSize") ?? "1 1 1"));
   const matrix = numbersIn(get("TransformMatrix", "Rotation", "Orientation") ?? "");
+  const dimensions = sizes.length;
   const isTrue = (text: string | undefined) => /^(true|1)$/i.test(text ?? "");
   const stored = Number(get("CompressedDataSize") ?? Number.NaN);
   const isPacked = isTrue(get("CompressedData"));
   return {
     size: triple(sizes),
-    volumes: sizes.slice(3).reduce((product, size) => product * size, 1),
-    stepMs: null,
-    values: Number(get("ElementNumberOfChannels") ?? 1),
+    volumes: sizes[3] ?? 1,
+    run: sizes.slice(0, 3).reduce((product, size) => product * size, 1),
+    stepMs: null, // the format has no unit of time
+    values: sizes.slice(4).reduce((product, size) => product * size, Number(get("ElementNumberOfChannels") ?? 1)),
     type: types[get("ElementType") ?? ""] ?? null,
     littleEndian: !isTrue(get("BinaryDataByteOrderMSB", "ElementByteOrderMSB")),
-    // The matrix has three numbers for each axis, in LPS.
-    axes:
-      matrix.length === 9
-        ? [
-            times(triple(matrix, 0), spacing[0]),
-            times(triple(matrix, 3), spacing[1]),
-            times(triple(matrix, 6), spacing[2]),
-          ]
-        : null,
+    axes: axesOf(matrix, dimensions, spacing),
     origin: placeOrNull(triple(numbersIn(get("Offset", "Position", "Origin") ?? ""))),
     spacing,
     slope: 1,
@@ -70,4 +65,11 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
     begin,
     storedBytes: isPacked && Number.isFinite(stored) ? stored : null,
   };
+}
+
+/** The matrix has a row for each axis, in LPS, with as many numbers as the image has dimensions. */
+function axesOf(matrix: readonly number[], dimensions: number, spacing: Triple): ImageHeader["axes"] {
+  if (matrix.length !== dimensions ** 2) return null;
+  const axis = (i: 0 | 1 | 2) => times(triple(matrix, dimensions * i), Math.abs(spacing[i]));
+  return [axis(0), axis(1), axis(2)];
 }

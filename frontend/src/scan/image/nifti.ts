@@ -1,6 +1,7 @@
 import {
   fromRas,
   placeOrNull,
+  stepOrNull,
   times,
   triple,
   type ImageHeader,
@@ -47,7 +48,8 @@ export function readNifti(bytes: Uint8Array): ImageRead {
   return {
     size: [extent(1), extent(2), extent(3)],
     volumes: extent(4),
-    stepMs: stepOf((unitMs[fields.units & 0x38] ?? 0) * (pixdim[4] ?? 0)),
+    run: extent(1) * extent(2) * extent(3),
+    stepMs: stepOrNull((unitMs[fields.units & 0x38] ?? 0) * (pixdim[4] ?? 0)),
     values: extent(5) * extent(6) * extent(7),
     type: types.get(code) ?? null,
     littleEndian: little,
@@ -62,8 +64,6 @@ export function readNifti(bytes: Uint8Array): ImageRead {
     storedBytes: null,
   };
 }
-
-const stepOf = (ms: number): number | null => (ms > 0 && Number.isFinite(ms) ? ms : null);
 
 interface Fields {
   readonly magic: string;

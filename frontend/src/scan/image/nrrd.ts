@@ -2,6 +2,7 @@ import {
   lengths,
   numbersIn,
   placeOrNull,
+  stepOrNull,
   textBefore,
   triple,
   type ImageHeader,
@@ -60,24 +61,27 @@ export function readNrrd(bytes: Uint8Array): ImageRead {
   return headerOf(get, isBeside ? null : after);
 }
 
-function headerOf(get: (...keys: readonly string[]) => string | undefined, begin: number | null): ImageHeader {
+type Get = (...keys: readonly string[]) => string | undefined;
+
+function headerOf(get: Get, begin: number | null): ImageHeader {
   const sizes = numbersIn(get("sizes") ?? "");
   const directions = vectorsOf(get("space directions"));
-  // In a file of four dimensions, the axis without a direction counts volumes or values. If no axis
-  // has a direction, it is the last one.
-  const spatial = directions?.flatMap((one, i) => (one ? [i] : [])) ?? sizes.map((_, i) => i).slice(0, 3);
-  const others = sizes.filter((_, i) => !spatial.includes(i)).reduce((product, size) => product * size, 1);
-  const isInner = !spatial.includes(0); // the values of a voxel lie beside each other
-  const space = spaces[(get("space") ?? "").toLowerCase()];
+  const { spatial, others } = rolesOf(sizes, get, directions);
+  const sizeOf = (i: number | undefined) => sizes[i ?? sizes.length] ?? Number.NaN;
+  const [outer] = others;
+  const isCounted = others.length === 1 && outer !== undefined && countsVolumes(outer, sizeOf(outer), get);
+  const space = spaces[(get("space") ?? "").toLowerCase().replace(/(-time|t)$/, "")];
   const spacings = numbersIn(get("spacings") ?? "");
-  const axes = spatial.map((i) => directions?.[i]);
+  const axes = spatial.map((i) => directions?.[i]?.place);
   const coding = get("encoding")?.toLowerCase();
   const skips = [get("byte skip", "byteskip"), get("line skip", "lineskip")].some((skip) => (skip ?? "0") !== "0");
+  const product = (all: readonly number[]) => all.reduce((sum, size) => sum * size, 1);
   return {
-    size: triple(spatial.map((i) => sizes[i] ?? Number.NaN)),
-    volumes: isInner ? 1 : others,
-    stepMs: null,
-    values: isInner ? others : 1,
+    size: triple([0, 1, 2].map((i) => sizeOf(spatial[i]))),
+    volumes: isCounted ? sizeOf(outer) : 1,
+    run: product(sizes.slice(0, isCounted ? outer : sizes.length)),
+    stepMs: isCounted ? stepOf(outer, get, directions) : null,
+    values: isCounted ? 1 : product(others.map(sizeOf)),
     type:
       types[
         (get("type") ?? "")
@@ -101,6 +105,52 @@ function headerOf(get: (...keys: readonly string[]) => string | undefined, begin
   };
 }
 
+const kindsIn = (get: Get) => (get("kinds") ?? "").toLowerCase().split(/\s+/);
+/** Kinds of axes that may run through space. "???" and "none" mean that the kind is unknown. */
+const spatialKinds: readonly (string | undefined)[] = [undefined, "", "???", "none", "domain", "space"];
+
+/** Returns the axes that run through space, and the others with more than one sample (like ingest/build/nrrd.cpp). */
+function rolesOf(sizes: readonly number[], get: Get, directions: readonly (Direction | null)[] | null) {
+  const kinds = kindsIn(get);
+  const isSpatial = (i: number) => {
+    if (!directions) return spatialKinds.includes(kinds[i]);
+    return directions[i]?.place.some((part) => part !== 0) ?? false;
+  };
+  const all = sizes.map((_, i) => i);
+  const found = all.filter(isSpatial);
+  // If nothing tells time from space, time is the last axis.
+  const spatial = found.length === 4 && sizes.length === 4 ? found.slice(0, 3) : found;
+  return { spatial, others: all.filter((i) => !spatial.includes(i) && sizes[i] !== 1) };
+}
+
+/** Programs that write no kinds put the parts of a vector or a colour in front. */
+const mostParts = 4;
+
+/** Whether an axis outside of space counts volumes. Otherwise its samples are parts of a vector or a colour. */
+function countsVolumes(axis: number, size: number, get: Get): boolean {
+  const kind = kindsIn(get)[axis];
+  if (kind === "time" || kind === "list" || kind === "domain" || kind === "space") return true;
+  return spatialKinds.includes(kind) && (axis > 0 || size > mostParts);
+}
+
+/** Returns the time from volume to volume in ms, if the file states its unit. */
+function stepOf(axis: number, get: Get, directions: readonly (Direction | null)[] | null): number | null {
+  const unitOf = (list: string | undefined, i: number) => (list?.match(/"[^"]*"/g) ?? [])[i]?.slice(1, -1) ?? "";
+  const direction = directions?.[axis];
+  if (direction) return stepOrNull(direction.time * (unitMs[unitOf(get("space units"), 3)] ?? 0));
+  return stepOrNull((numbersIn(get("spacings") ?? "")[axis] ?? 0) * (unitMs[unitOf(get("units"), axis)] ?? 0));
+}
+
+const unitNames: Readonly<Record<number, readonly string[]>> = {
+  1000: ["s", "sec", "second", "seconds"],
+  1: ["ms", "msec", "millisecond", "milliseconds"],
+  0.001: ["us", "usec", "microsecond", "microseconds"],
+};
+/** Units of time in ms, by their name. */
+const unitMs: Readonly<Record<string, number>> = Object.fromEntries(
+  Object.entries(unitNames).flatMap(([ms, names]) => names.map((name) => [name, Number(ms)] as const)),
+);
+
 const along = (a: Triple, space: Triple): Triple => [a[0] * space[0], a[1] * space[1], a[2] * space[2]];
 
 function axesOf(axes: readonly (Triple | null | undefined)[], space: Triple | undefined): ImageHeader["axes"] {
@@ -110,8 +160,18 @@ function axesOf(axes: readonly (Triple | null | undefined)[], space: Triple | un
   return [inLps(x), inLps(y), inLps(z)];
 }
 
+/** The step along an axis: in space, and in time if the space of the file has time. */
+interface Direction {
+  readonly place: Triple;
+  readonly time: number;
+}
+
 /** Parses vectors such as "(1,0,0) none (0,0,2)", where "none" marks an axis outside of space. */
-function vectorsOf(text: string | undefined): (Triple | null)[] | null {
+function vectorsOf(text: string | undefined): (Direction | null)[] | null {
   const found = text?.match(/none|\([^)]*\)/g);
-  return found ? found.map((one) => (one === "none" ? null : triple(numbersIn(one)))) : null;
+  if (!found) return null;
+  return found.map((one) => {
+    const numbers = numbersIn(one);
+    return one === "none" ? null : { place: triple(numbers), time: numbers[3] ?? 0 };
+  });
 }

@@ -93,6 +93,13 @@ export const add: Texts["add"] = {
         return `${count(n, "Diffusionsbild", "Diffusionsbilder")} (b = ${span} s/mm²)`;
     }
   },
+  phasesToUpload: "Welche Phasen",
+  allPhases: (n) => `Alle ${number.format(n)}`,
+  everyPhase: (every, n) =>
+    `Jede ${["", "", "zweite", "dritte", "vierte", "fünfte"][every] ?? `${every}.`} (${number.format(n)})`,
+  onePhase: "Nur eine",
+  phaseNumber: "Phase",
+  phaseOf: (i, n) => `${number.format(i)} von ${number.format(n)}`,
   leftOut: (left) =>
     [
       left.doubles > 0 ? `${count(left.doubles, "doppelte Schicht", "doppelte Schichten")} übersprungen` : "",

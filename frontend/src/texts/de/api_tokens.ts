@@ -9,6 +9,7 @@ export const apiTokens: Texts["apiTokens"] = {
     read: "Aufnahmen auflisten, ansehen und rendern",
     write: "Aufnahmen hochladen, bearbeiten und löschen",
     share: "Aufnahmen mit Personen, über Links und in der Galerie teilen",
+    archive: "Aufnahmen aus dem Archiv des Krankenhauses holen und an Diaphane senden",
   },
   until: (day) => `Gültig bis ${day}`,
   used: (when) => `zuletzt benutzt: ${when}`,

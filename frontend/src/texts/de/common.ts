@@ -19,6 +19,7 @@ export const common: Pick<Texts, keyof typeof english> = {
   cancel: "Abbrechen",
   tryAgain: "Erneut versuchen",
   loading: "Wird geladen …",
+  loadingSlow: "Wird noch geladen. Der Server antwortet gerade langsam; es geht nichts verloren.",
   notFound: "Diese Seite gibt es nicht. Prüfen Sie die Adresse oder gehen Sie zur Startseite.",
   incompleteLink:
     "Ein Teil fehlt. Kopieren Sie den ganzen Link bis zum letzten Zeichen, oder bitten Sie noch einmal darum.",

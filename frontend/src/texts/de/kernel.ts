@@ -36,5 +36,6 @@ export const kernel: Texts["kernel"] = {
     "denoiser guides": "Hilfsbilder zum Entrauschen",
     curves: "Deckkraftkurven",
     labels: "markierte Strukturen",
+    "second scan": "zweite Aufnahme",
   },
 };

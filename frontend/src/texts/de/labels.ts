@@ -10,7 +10,15 @@ export const labels: Texts["labels"] = {
   noAnswer: "Der Server hat nicht geantwortet. Versuchen Sie es noch einmal.",
   nothingThere: "An dieser Stelle ist nichts von der Aufnahme. Wählen Sie eine andere.",
   unmarked: "Hier ist keine Struktur markiert.",
-  brain: "Gehirn mit umgebendem Hirnwasser",
+  found: {
+    brain: "Gehirn mit umgebendem Hirnwasser",
+    bone: "Knochen",
+    lungs: "Lunge",
+    airways: "Atemwege",
+    vessels: "Gefäße mit Kontrastmittel",
+  },
+  allFound: "Der Server hat diese Strukturen automatisch erkannt. Sie können falsch sein.",
+  someFound: (names) => `Der Server hat diese automatisch erkannt, und sie können falsch sein: ${names}.`,
   untitled: (number) => `Struktur ${number}`,
   show: (name) => `${name} zeigen`,
   only: "Nur diese",
@@ -22,13 +30,13 @@ export const labels: Texts["labels"] = {
 
   title: (title) => `Strukturen von ${title}`,
   explain:
-    "Eine Segmentierungsdatei sagt, welche Teile der Aufnahme zu welcher Struktur gehören, zum Beispiel zu einem Organ. Das kann eine NIfTI-Datei mit Strukturen (.nii oder .nii.gz), eine DICOM-Segmentierung (SEG) oder ein DICOM-Strukturensatz (RTSTRUCT) sein. Sie muss zu dieser Aufnahme gehören. Öffnen Sie danach die Aufnahme, und wählen Sie links „Strukturen“.",
+    "Strukturen sind markierte Teile einer Aufnahme, zum Beispiel Organe. Wählen Sie eine Datei, die zu dieser Aufnahme gehört: NIfTI (.nii, .nii.gz), DICOM-Segmentierung (SEG) oder DICOM-Strukturensatz (RTSTRUCT). Öffnen Sie danach die Aufnahme, und wählen Sie links „Strukturen“.",
   privacy:
     "Gesendet werden nur die Strukturen mit ihren Namen und Farben. Name, Datumsangaben und Nummern der Patientin oder des Patienten werden vorher aus der Datei entfernt. Personen, mit denen Sie die Aufnahme teilen, sehen die Strukturen auch. Gäste, Personen mit einem Link und die Galerie erfahren die Namen nicht.",
   choose: "Datei auswählen",
   replace: "Ersetzen",
   remove: "Entfernen",
-  none: "Diese Aufnahme hat keine markierten Strukturen.",
+  none: "Sie haben dieser Aufnahme noch keine Strukturen hinzugefügt.",
   has: (labels, bytes) =>
     `In dieser Aufnahme ${labels === 1 ? "ist" : "sind"} ${count(labels, "Struktur", "Strukturen")} markiert (${bytes}).`,
   onCard: (labels) => count(labels, "Struktur", "Strukturen"),
@@ -49,6 +57,7 @@ export const labels: Texts["labels"] = {
     sending: "Die Datei wird hochgeladen …",
     placing: "Die Strukturen werden der Aufnahme zugeordnet …",
   },
+  sending: (part) => `Wird hochgeladen … ${Math.floor(100 * part)} %`,
   faults: {
     unknown:
       "Diese Datei enthält keine markierten Strukturen. Wählen Sie eine NIfTI-Datei mit Strukturen, eine DICOM-Segmentierung oder einen Strukturensatz.",

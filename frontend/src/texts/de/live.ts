@@ -12,13 +12,14 @@ export const live: Texts["live"] = {
   copy: "Kopieren",
   copied: "Kopiert.",
   endLink: "Link deaktivieren",
-  guestSlices: "Gäste dürfen auch die Schichten sehen",
+  guestSlices: "Gäste sehen die Schichten, die präsentiert werden",
   guestSlicesHint:
-    "Solange Schichten präsentiert werden, sehen sie dieselben Schichten mit den genauen Werten der Aufnahme, aber nichts, was Sie weggeschnitten haben. Sie können das jederzeit wieder ausschalten.",
-  allSlices: "Gäste mit diesem Link dürfen alle Schichten ansehen",
+    "Sie sehen dieselben Schichten mit den genauen Werten der Aufnahme, aber nichts, was Sie weggeschnitten haben. Sie können das jederzeit wieder ausschalten.",
+  allSlices: "Gäste mit diesem Link dürfen selbst durch alle Schichten blättern",
   allSlicesHint:
     "Die Gäste wählen die Schichten jederzeit selbst, sehen aber nichts, was Sie weggeschnitten haben. Um das später zu ändern, deaktivieren Sie den Link und erstellen einen neuen.",
-  withAllSlices: "Gäste mit diesem Link dürfen alle Schichten ansehen, aber nichts, was Sie weggeschnitten haben.",
+  withAllSlices:
+    "Gäste mit diesem Link dürfen selbst durch alle Schichten blättern, sehen aber nichts, was Sie weggeschnitten haben.",
   guestPointers: "Gäste dürfen auf Stellen zeigen und Markierungen setzen",
   pointHint:
     "Alle sehen, worauf Sie zeigen. Bewegen Sie die Maus über das Bild oder eine Schicht, oder halten Sie einen Finger darauf.",
@@ -41,7 +42,7 @@ export const live: Texts["live"] = {
   lookAround: "Sie können allein weitersehen.",
   raiseHand: "Hand heben",
   lowerHand: "Hand senken",
-  hand: (place) => `Hand gehoben (${place})`,
+  hand: (place, raised) => (raised > 1 ? `Hand gehoben (${place} von ${raised})` : "Hand gehoben"),
   handsRaised: (names) => `Hand gehoben: ${names}`,
   lowerHandOf: (name) => `Hand senken: ${name}`,
   freeCamera: "Meine eigene Ansicht",

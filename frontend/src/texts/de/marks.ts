@@ -1,6 +1,15 @@
 import type { Texts } from "../shape";
 import { count } from "./counting";
 
+/** Leaves out what there is none of, unless there is neither. */
+const both = (marks: number, measures: number): string =>
+  [
+    marks > 0 || measures === 0 ? count(marks, "Markierung", "Markierungen") : "",
+    measures > 0 ? count(measures, "Messung", "Messungen") : "",
+  ]
+    .filter(Boolean)
+    .join(" und ");
+
 export const marks: Texts["marks"] = {
   lead: "Wählen Sie, was Sie hinzufügen möchten, und drücken Sie dann auf eine Stelle im Bild oder in einer Schicht. Ziehen Sie, um die Größe festzulegen. Eine Markierung bleibt an ihrer Stelle in der Aufnahme und ist gestrichelt, solange etwas davor liegt.",
   kinds: { arrow: "Pfeil", circle: "Kreis", text: "Text", ruler: "Lineal", angle: "Winkel" },
@@ -42,13 +51,11 @@ export const marks: Texts["marks"] = {
     title: "Mit dieser Aufnahme gespeichert",
     lead: "Was Sie hier speichern, sehen nur Sie, solange Sie es nicht teilen.",
     leadShared: "Diese Markierungen gehören zu der Aufnahme und stammen von der Person, der sie gehört.",
-    unsaved: (marks, measures) =>
-      `Noch nicht gespeichert: ${count(marks, "Markierung", "Markierungen")} und ${count(measures, "Messung", "Messungen")}.`,
+    unsaved: (marks, measures) => `Noch nicht gespeichert: ${both(marks, measures)}.`,
     name: "Name",
     save: "Speichern",
     added: (name) => `Als ${name} gespeichert. Spätere Änderungen werden von selbst gespeichert.`,
-    content: (marks, measures) =>
-      `${count(marks, "Markierung", "Markierungen")}, ${count(measures, "Messung", "Messungen")}`,
+    content: (marks, measures) => both(marks, measures),
     share: "Für alle sichtbar, die diese Aufnahme öffnen können",
     shareHint:
       "Geteilte Markierungen sehen alle, mit denen Sie die Aufnahme teilen, auch ohne Konto über einen Link. Ist sie öffentlich, sind sie auch in der Galerie zu sehen.",
@@ -60,12 +67,7 @@ export const marks: Texts["marks"] = {
     removeOf: (name) => `${name} löschen`,
     removeSure: (name) => `„${name}“ mit allen Markierungen und Messungen endgültig löschen?`,
   },
-  include: (marks, measures) =>
-    measures === 0
-      ? `Mit ${count(marks, "Markierung", "Markierungen")}`
-      : marks === 0
-        ? `Mit ${count(measures, "Messung", "Messungen")}`
-        : `Mit ${count(marks, "Markierung", "Markierungen")} und ${count(measures, "Messung", "Messungen")}`,
+  include: (marks, measures) => `Mit ${both(marks, measures)}`,
   inPicture: {
     include: (marks) => `${count(marks, "Markierung", "Markierungen")} ins Bild zeichnen`,
     hint: "Die Texte der Markierungen sind dann im Bild zu lesen.",

@@ -3,7 +3,6 @@ import { fixed, number } from "./counting";
 
 const milliseconds = (value: number) => `${number.format(Math.round(value * 10) / 10)} ms`;
 
-/** Aufnahmen mit mehreren Phasen, Echos oder b-Werten. */
 export const phases: Texts["phases"] = {
   title: "Phasen der Aufnahme",
   play: "Phasen abspielen (K)",

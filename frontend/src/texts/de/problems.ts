@@ -28,13 +28,14 @@ export const problems: Texts["problems"] = {
   kinds: {
     invalid: "Bitte prüfen Sie Ihre Eingabe.",
     unauthenticated: "Sie sind abgemeldet. Melden Sie sich wieder an.",
-    "wrong-code": "Dieser Code ist falsch oder abgelaufen. Versuchen Sie es mit dem nächsten.",
+    "wrong-code": "Dieser Code ist falsch oder wurde schon benutzt. Warten Sie auf den nächsten.",
     forbidden: "Dazu haben Sie keine Berechtigung.",
     "consent-needed": "Die Datenschutzerklärung hat sich geändert. Laden Sie die Seite neu und lesen Sie sie.",
     "second-factor-required": "Richten Sie zuerst die Zwei-Faktor-Authentifizierung ein.",
     "not-found": "Das gibt es nicht mehr, oder Sie haben keinen Zugriff darauf.",
     conflict: "Das ist gerade nicht möglich. Laden Sie die Seite neu und versuchen Sie es noch einmal.",
     "not-ready": "Diese Aufnahme wird noch vorbereitet. Versuchen Sie es gleich noch einmal.",
+    "not-aligned": "Diese Aufnahmen haben kein gemeinsames Bezugssystem. Richten Sie sie zuerst aus.",
     "not-anonymised": "Schneiden Sie zuerst alles weg, woran man die Person erkennen könnte.",
     precondition:
       "Das wurde in einem anderen Fenster geändert. Laden Sie die Seite neu und versuchen Sie es noch einmal.",
@@ -46,6 +47,11 @@ export const problems: Texts["problems"] = {
     "storage-full": "Der Server hat keinen Speicherplatz mehr. Versuchen Sie es später noch einmal.",
     "too-many": "Zu viele Versuche. Warten Sie eine Weile und versuchen Sie es dann noch einmal.",
     "too-many-attempts": "Zu viele Versuche. Warten Sie eine Weile und versuchen Sie es dann noch einmal.",
-    "no-worker": "Alle Renderserver sind gerade belegt. Versuchen Sie es gleich noch einmal.",
+    "no-worker": "Zurzeit ist kein Renderserver frei. Versuchen Sie es gleich noch einmal.",
+    "archive-unreachable":
+      "Das Archiv antwortet nicht. Versuchen Sie es später noch einmal, oder fragen Sie Ihre Administration.",
+    "archive-refused":
+      "Das Archiv lässt Diaphane nicht zu. Bitten Sie Ihre Administration, die Zugangsdaten zu prüfen.",
+    "archive-faulty": "Das Archiv hat etwas Ungültiges geschickt. Fragen Sie Ihre Administration.",
   },
 };

@@ -47,6 +47,7 @@ export const slices: Texts["slices"] = {
   straighten: "Kippung aufheben",
   tilted: (degrees) => `${fixed(degrees, 1)}° gekippt`,
   thick: (mm, projection) => `${projection} über ${number.format(mm)} mm`,
+  both: (first, second) => `${first}, zweite Aufnahme: ${second}`,
   interpolated: (value) => `${value}, interpoliert`,
   removeMeasure: "Letzte Messung löschen",
   reset: "Schichten zurücksetzen",
@@ -82,6 +83,10 @@ export const slices: Texts["slices"] = {
   overlay: "Farben",
   overlayHelp: "Zeigt die Farben des 3D-Bildes über den grauen Schichten.",
   overlayStrength: "Stärke der Farben",
+  labels: "Strukturen",
+  labelsHelp:
+    "Zeigt die Strukturen der Liste „Strukturen“ in ihren Farben über den Schichten. In einer dicken Schicht hat jedes Pixel die Struktur, die dort am häufigsten ist.",
+  labelsStrength: "Stärke der Strukturen",
   said: (title, value, place) => `${title}, ${value}, ${place}`,
   unsupported:
     "Dieser Browser ist zu alt, um die Schichten zu zeigen. Aktualisieren Sie ihn, oder verwenden Sie einen anderen Browser.",

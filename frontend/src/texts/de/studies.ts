@@ -106,7 +106,7 @@ export const studies: Texts["studies"] = {
   picturesAgain: "Bilder neu aufnehmen",
   picturesSaveFirst: "Speichern Sie zuerst die Studie.",
   picturesThere: (there, all) => `${there.toFixed(0)} von ${all.toFixed(0)} Bildern sind vorhanden.`,
-  picturesTaking: (number, all) => `Bild ${number.toFixed(0)} von ${all.toFixed(0)} wird berechnet…`,
+  picturesTaking: (number, all) => `Bild ${number.toFixed(0)} von ${all.toFixed(0)} wird berechnet …`,
   picturesDone: "Alle Bilder sind gespeichert.",
   picturesFailed: "Ein Bild ließ sich nicht berechnen. Versuchen Sie es noch einmal.",
   picturesNoComfort:
@@ -179,7 +179,7 @@ export const studies: Texts["studies"] = {
   exportJson: "Als JSON exportieren",
   exportCsv: "Als CSV exportieren",
   analyse: "Auswerten",
-  analysing: "Die Antworten werden ausgewertet…",
+  analysing: "Die Antworten werden ausgewertet …",
   analysisNone: "Es gibt noch nichts auszuwerten.",
   analysisMissing:
     "Auf diesem Server ist keine Auswertung installiert. Exportieren Sie die Antworten, um sie anderswo auszuwerten.",

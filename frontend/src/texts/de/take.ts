@@ -36,7 +36,7 @@ export const take: Texts["take"] = {
     "Videos und größere Bilder dieser Aufnahme können Sie nicht speichern. Das kann nur die Person erlauben, der die Aufnahme gehört.",
   size: "Größe",
   sizes: {
-    screen: (width, height) => `Wie jetzt auf dem Bildschirm, ${width} × ${height}`,
+    screen: (width, height) => `Wie angezeigt, ${width} × ${height}`,
     large: (width, height) => `Groß, ${width} × ${height}`,
     largest: (width, height) => `Sehr groß, ${width} × ${height}`,
     poster: (width, height) => `Poster, ${width} × ${height} (dauert lange)`,

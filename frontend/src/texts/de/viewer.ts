@@ -10,7 +10,7 @@ export const viewer: Texts["viewer"] = {
   troubles: {
     lost: "Verbindung unterbrochen. Sie wird wiederhergestellt …",
     worker_lost: "Der Renderserver ist ausgefallen. Die Verbindung wird wiederhergestellt …",
-    no_worker: "Alle Renderserver sind gerade belegt. Wir versuchen es weiter …",
+    no_worker: "Zurzeit ist kein Renderserver frei. Wir versuchen es weiter …",
     guests_full: "Alle Plätze für Gäste sind gerade belegt. Wir versuchen es weiter …",
     unreachable: "Diaphane ist nicht erreichbar. Wir versuchen es weiter …",
     refused: "Etwas ist schiefgegangen. Wir versuchen es weiter …",
@@ -24,6 +24,7 @@ export const viewer: Texts["viewer"] = {
     displaced:
       "Diaphane ist ausgelastet, und wer ein Konto hat, hat Vorrang. Melden Sie sich an, oder laden Sie diese Seite in ein paar Minuten neu.",
   },
+  late: "Der Renderserver antwortet gerade nicht.",
   meanwhile: "Bis dahin bleibt das Bild, wie es ist.",
   continueHere: "Hier weitermachen",
   treatment: {
@@ -82,16 +83,16 @@ export const viewer: Texts["viewer"] = {
     bone: "Knochen",
     through: "Glas",
     dense: "Zähne",
-    airways: "Luftwege",
+    airways: "Atemwege",
   },
   lookOfOther: {
     brain: "Gehirn",
     through: "Glas",
-    skin: "Oberfläche",
-    muscle: "Weichgewebe",
+    skin: "Ober\u00ADfläche",
+    muscle: "Weich\u00ADgewebe",
     vessels: "Hellste Teile",
     bone: "Helle Teile",
-    airways: "Durchsichtig",
+    airways: "Durch\u00ADsichtig",
   },
   reset: "Ansicht zurücksetzen",
   fullscreen: "Vollbild",

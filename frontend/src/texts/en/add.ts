@@ -85,6 +85,13 @@ export const add = {
         return `${count(n, "diffusion image", "diffusion images")} (b = ${span} s/mm²)`;
     }
   },
+  phasesToUpload: "Phases to upload",
+  allPhases: (n: number) => `All ${number.format(n)}`,
+  everyPhase: (every: number, n: number) =>
+    `Every ${["", "", "second", "third", "fourth", "fifth"][every] ?? `${every}th`} (${number.format(n)})`,
+  onePhase: "Only one",
+  phaseNumber: "Phase",
+  phaseOf: (i: number, n: number) => `${number.format(i)} of ${number.format(n)}`,
   leftOut: (left: LeftOut) =>
     [
       left.doubles > 0 ? `${count(left.doubles, "duplicate", "duplicates")} skipped` : "",

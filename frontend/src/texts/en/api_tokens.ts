@@ -8,6 +8,7 @@ export const apiTokens = {
     read: "List, view and render scans",
     write: "Upload, edit and delete scans",
     share: "Share scans with people, with links and in the gallery",
+    archive: "Fetch scans from the hospital’s archive, and send scans to Diaphane",
   },
   until: (day: string) => `Valid until ${day}`,
   used: (when: string) => `last used ${when}`,

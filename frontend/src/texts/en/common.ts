@@ -17,6 +17,7 @@ export const common = {
   cancel: "Cancel",
   tryAgain: "Try again",
   loading: "Loading…",
+  loadingSlow: "Still loading. The server is slow to answer at the moment; nothing is lost.",
   notFound: "This page doesn’t exist. Check the address, or go to the start page.",
   incompleteLink: "Part of it is missing. Copy the whole link, up to its last character, or ask for it again.",
   toStart: "Go to the start page",

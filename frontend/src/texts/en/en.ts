@@ -1,8 +1,10 @@
 import { account } from "./account";
 import { admin } from "./admin";
 import { add } from "./add";
+import { archive } from "./archive";
 import { apiTokens } from "./api_tokens";
 import { common } from "./common";
+import { compare } from "./compare";
 import { consent } from "./consent";
 import { cut } from "./cut";
 import { home } from "./home";
@@ -36,6 +38,8 @@ export const en = {
   admin,
   add,
   apiTokens,
+  archive,
+  compare,
   consent,
   cut,
   home,

@@ -35,5 +35,6 @@ export const kernel = {
     "denoiser guides": "guide images for denoising",
     curves: "opacity curves",
     labels: "marked structures",
+    "second scan": "a second scan",
   } as Readonly<Record<string, string>>,
 } as const;

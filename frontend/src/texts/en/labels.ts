@@ -10,8 +10,17 @@ export const labels = {
   noAnswer: "The server didn’t answer. Try again.",
   nothingThere: "There is nothing of the scan at this point. Choose another one.",
   unmarked: "No structure is marked here.",
-  /** The brain as the server finds it in an MR scan. */
-  brain: "Brain, with the fluid around it",
+  /** The parts that the server finds: the brain in MR, the others in CT. */
+  found: {
+    brain: "Brain, with the fluid around it",
+    bone: "Bone",
+    lungs: "Lungs",
+    airways: "Airways",
+    vessels: "Vessels with contrast medium",
+  },
+  /** Above the list, if the server has found all labels, or some. */
+  allFound: "The server found these structures automatically. They can be wrong.",
+  someFound: (names: string) => `The server found these automatically, and they can be wrong: ${names}.`,
   untitled: (number: number) => `Structure ${number}`,
   show: (name: string) => `Show ${name}`,
   only: "Only this",
@@ -24,13 +33,13 @@ export const labels = {
 
   title: (title: string) => `Labels of ${title}`,
   explain:
-    "A file of labels says which parts of the scan are which structure, for example an organ. It can be a NIfTI label volume (.nii or .nii.gz), a DICOM segmentation (SEG) or a DICOM structure set (RTSTRUCT), and it must belong to this scan. Afterwards, open the scan and choose “Labels” on the left.",
+    "Labels mark the structures of a scan, for example organs. Choose a file that belongs to this scan: NIfTI (.nii, .nii.gz), DICOM segmentation (SEG) or DICOM structure set (RTSTRUCT). Then open the scan and choose “Labels” on the left.",
   privacy:
     "We send only the structures with their names and colours. Names, dates and ID numbers of the patient are removed from the file first. The people you share the scan with see the labels too. Guests, people with a link and the gallery don’t see their names.",
   choose: "Choose a file",
   replace: "Replace the labels",
   remove: "Remove the labels",
-  none: "This scan has no labels.",
+  none: "You haven’t added any labels to this scan.",
   has: (labels: number, bytes: string) => `This scan has ${count(labels, "label", "labels")} (${bytes}).`,
   onCard: (labels: number) => count(labels, "label", "labels"),
   /** Why the server refused a file, by its code. */
@@ -45,6 +54,7 @@ export const labels = {
     other: "The server couldn’t read this file. Try again.",
   },
   phases: { reading: "Reading the file…", sending: "Uploading…", placing: "Matching the labels to the scan…" },
+  sending: (part: number) => `Uploading… ${Math.floor(100 * part)}%`,
   faults: {
     unknown: "This isn’t a file of labels. Choose a NIfTI label volume, a DICOM segmentation or a structure set.",
     damaged: "This file is damaged. Try copying it again.",

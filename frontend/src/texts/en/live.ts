@@ -11,13 +11,13 @@ export const live = {
   copy: "Copy",
   copied: "Copied.",
   endLink: "Disable link",
-  guestSlices: "Guests can also see the slices",
+  guestSlices: "Guests see the slices that are presented",
   guestSlicesHint:
-    "While the presenter shows slices, guests see the same slices with the exact values of the scan, but nothing that you have cut away. You can turn this off at any time.",
-  allSlices: "Guests with this link can look through all slices",
+    "They see the same slices with the exact values of the scan, but nothing that you have cut away. You can turn this off at any time.",
+  allSlices: "Guests with this link can look through all slices themselves",
   allSlicesHint:
     "Guests choose the slices themselves at any time, but see nothing that you have cut away. To change this later, disable the link and create a new one.",
-  withAllSlices: "Guests with this link can look through all slices, except what you have cut away.",
+  withAllSlices: "Guests with this link can look through all slices themselves, except what you have cut away.",
   guestPointers: "Guests can point and make marks",
   pointHint:
     "Everyone sees where you point. Move the mouse over the picture or a slice, or press and hold with a finger.",
@@ -40,7 +40,7 @@ export const live = {
   lookAround: "You can continue in your own view.",
   raiseHand: "Raise your hand",
   lowerHand: "Lower your hand",
-  hand: (place: number) => `hand raised (${place})`,
+  hand: (place: number, raised: number) => (raised > 1 ? `hand raised (${place} of ${raised})` : "hand raised"),
   handsRaised: (names: string) => `Hand raised: ${names}`,
   lowerHandOf: (name: string) => `Lower the hand of ${name}`,
   freeCamera: "My own view",

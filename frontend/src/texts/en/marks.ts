@@ -1,5 +1,14 @@
 import { count } from "./counting";
 
+/** Leaves out what there is none of, unless there is neither. */
+const both = (marks: number, measures: number): string =>
+  [
+    marks > 0 || measures === 0 ? count(marks, "mark", "marks") : "",
+    measures > 0 ? count(measures, "measurement", "measurements") : "",
+  ]
+    .filter(Boolean)
+    .join(" and ");
+
 /** Marks: arrows, circles, texts and measurements in the scan. */
 export const marks = {
   lead: "Choose what to add, then press a point of the picture or of a slice. Drag to set its size. A mark stays at its point of the scan and is drawn dashed while it lies behind something.",
@@ -41,13 +50,11 @@ export const marks = {
     title: "Saved with this scan",
     lead: "Only you see what you save here, unless you share it.",
     leadShared: "These marks belong to the owner of the scan.",
-    unsaved: (marks: number, measures: number) =>
-      `Not saved yet: ${count(marks, "mark", "marks")} and ${count(measures, "measurement", "measurements")}.`,
+    unsaved: (marks: number, measures: number) => `Not saved yet: ${both(marks, measures)}.`,
     name: "Name",
     save: "Save",
     added: (name: string) => `Saved as ${name}. Later changes are saved by themselves.`,
-    content: (marks: number, measures: number) =>
-      `${count(marks, "mark", "marks")}, ${count(measures, "measurement", "measurements")}`,
+    content: (marks: number, measures: number) => both(marks, measures),
     share: "Everyone who can open this scan sees it",
     shareHint:
       "Shared marks are visible to everyone with whom you share the scan, also without an account through a link, and in the gallery if the scan is public.",
@@ -60,12 +67,7 @@ export const marks = {
     removeSure: (name: string) => `Permanently delete “${name}” with all its marks and measurements?`,
   },
   /** The option to include marks and measurements in a link or a preset. */
-  include: (marks: number, measures: number) =>
-    measures === 0
-      ? `Include ${count(marks, "mark", "marks")}`
-      : marks === 0
-        ? `Include ${count(measures, "measurement", "measurements")}`
-        : `Include ${count(marks, "mark", "marks")} and ${count(measures, "measurement", "measurements")}`,
+  include: (marks: number, measures: number) => `Include ${both(marks, measures)}`,
   inPicture: {
     include: (marks: number) => `Draw ${count(marks, "mark", "marks")} into the picture`,
     hint: "The texts of the marks can then be read in the picture.",

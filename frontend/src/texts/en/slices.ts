@@ -40,6 +40,8 @@ export const slices = {
   straighten: "Undo the tilt",
   tilted: (degrees: number) => `tilted ${degrees.toFixed(1)}°`,
   thick: (mm: number, projection: string) => `${number.format(mm)} mm ${projection.toLowerCase()}`,
+  /** The values of two scans at one point. */
+  both: (first: string, second: string) => `${first}, second scan: ${second}`,
   interpolated: (value: string) => `${value}, interpolated`,
   removeMeasure: "Delete the last measurement",
   reset: "Reset the slices",
@@ -76,6 +78,10 @@ export const slices = {
   overlay: "Colours",
   overlayHelp: "Shows the colours of the 3D picture over the grey slices.",
   overlayStrength: "Strength of the colours",
+  labels: "Labels",
+  labelsHelp:
+    "Shows the structures of the list “Labels” over the slices, in its colours. In a thick slice, each pixel has the structure that is most frequent there.",
+  labelsStrength: "Strength of the labels",
   said: (title: string, value: string, place: string) => `${title}, ${value}, ${place}`,
   unsupported: "This browser is too old to show the slices. Update it, or use another browser.",
   damaged: "A slice was corrupted in transit. Reload the page to load it again.",

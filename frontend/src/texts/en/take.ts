@@ -35,7 +35,7 @@ export const take = {
   onlyScreen: "You can’t save videos or larger pictures of this scan. Only its owner can allow this.",
   size: "Size",
   sizes: {
-    screen: (width: number, height: number) => `As it is on the screen now, ${width} × ${height}`,
+    screen: (width: number, height: number) => `As shown, ${width} × ${height}`,
     large: (width: number, height: number) => `Large, ${width} × ${height}`,
     largest: (width: number, height: number) => `Very large, ${width} × ${height}`,
     poster: (width: number, height: number) => `Poster, ${width} × ${height} (takes a long time)`,

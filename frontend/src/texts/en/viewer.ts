@@ -4,7 +4,7 @@ import { count, number } from "./counting";
 const troubles: Record<Trouble, string> = {
   lost: "Connection lost. Reconnecting…",
   worker_lost: "The rendering server stopped. Reconnecting…",
-  no_worker: "All rendering servers are busy. Trying again…",
+  no_worker: "No rendering server is free right now. Trying again…",
   guests_full: "All places for guests are taken at the moment. Trying again…",
   unreachable: "We can’t reach Diaphane. Trying again…",
   refused: "Something went wrong. Trying again…",
@@ -27,6 +27,8 @@ export const viewer = {
     `3D view of the scan. Arrow keys rotate, plus and minus zoom, R resets the view, ${looks > 1 ? `1 to ${looks} choose a look, ` : ""}and the question mark shows all keys.`,
   first: "Preparing the picture…",
   troubles,
+  /** Shown if a change brings no new picture for some seconds. */
+  late: "The rendering server isn’t answering.",
   /** Added to a trouble while the last picture is still shown. */
   meanwhile: "Until then, the picture stays as it is.",
   continueHere: "Continue here",

@@ -13,19 +13,22 @@ export interface LabelsDialogProps {
   readonly onClose: () => void;
 }
 
-/** Adds, replaces and removes the labels of a scan. An upload ends with the dialog. */
+/**
+ * Adds, replaces and removes the labels of a scan. An upload pauses when the dialog is closed, and resumes if the same
+ * file is chosen again.
+ */
 export function LabelsDialog({ set, onClose }: LabelsDialogProps) {
   const task = useLabels(set);
   const input = useRef<HTMLInputElement>(null);
-  const { labels, phase, fault } = task;
+  const { labels, phase, fault, again } = task;
   const busy = phase !== null;
   return (
     <Dialog title={t.labels.title(titleOf(set))} onClose={onClose}>
-      <p>{t.labels.explain}</p>
-      <p class="hint">{t.labels.privacy}</p>
       {fault ? <Notice kind="bad">{fault}</Notice> : null}
       {!fault && !busy && labels?.refusal ? <Notice kind="bad">{labelRefusalText(labels.refusal)}</Notice> : null}
       <State task={task} />
+      <p>{t.labels.explain}</p>
+      <p class="hint">{t.labels.privacy}</p>
       <input
         ref={input}
         type="file"
@@ -48,6 +51,11 @@ export function LabelsDialog({ set, onClose }: LabelsDialogProps) {
             {t.labels.remove}
           </button>
         ) : null}
+        {again ? (
+          <button type="button" class="button" onClick={() => void again()}>
+            {t.tryAgain}
+          </button>
+        ) : null}
         <button type="button" class="button button-main" disabled={busy} onClick={() => input.current?.click()}>
           {labels && labels.count > 0 ? t.labels.replace : t.labels.choose}
         </button>
@@ -56,12 +64,18 @@ export function LabelsDialog({ set, onClose }: LabelsDialogProps) {
   );
 }
 
-function State({ task: { labels, phase, sent } }: { readonly task: LabelsTask }) {
+function State({ task: { labels, phase, sent, stalled } }: { readonly task: LabelsTask }) {
   if (phase !== null)
     return (
       <>
         <Bar value={phase === "sending" ? sent : null} label={t.labels.phases[phase]} />
-        <p role="status">{t.labels.phases[phase]}</p>
+        <p role="status">
+          {phase !== "sending"
+            ? t.labels.phases[phase]
+            : stalled
+              ? t.scans.upload.stalled[stalled]
+              : t.labels.sending(sent)}
+        </p>
       </>
     );
   if (!labels || labels.count === 0) return <p role="status">{t.labels.none}</p>;

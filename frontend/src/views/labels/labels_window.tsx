@@ -1,4 +1,3 @@
-import { useState } from "preact/hooks";
 import type { Labels_Label as Label } from "../../protocol/gen/api/proto/stream_pb";
 import { Modality } from "../../protocol/messages";
 import type { Scene } from "../../protocol/gen/api/proto/scene_pb";
@@ -8,18 +7,20 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { ColourControl, NumberControl, Switch, type PictureWindowProps } from "../viewer/settings/controls";
 import { sceneEdits } from "../viewer/settings/scene_edits";
+import { nameOf } from "./label_name";
 import { useMarked } from "./use_marked";
 
 /** The structures that somebody has marked in the scan, and how each is shown. */
 export function LabelsWindow({ session, picture }: PictureWindowProps) {
   const scene = session.editor.scene.value;
   const labels = session.labels.value;
-  const [chosen, setChosen] = useState<number | null>(null);
+  const { chosenLabel } = session.slices;
   if (!scene) return null;
   const { once } = sceneEdits(session.editor);
   return (
     <>
       <p class="hint">{t.labels.lead}</p>
+      <Origin labels={labels} />
       <Switch
         label={t.labels.coloured}
         on={looks.areColoured(scene, labels)}
@@ -32,7 +33,7 @@ export function LabelsWindow({ session, picture }: PictureWindowProps) {
           onClick={() =>
             (picture.picking.value = {
               label: t.labels.press,
-              pick: (at) => nameAt(session, at, setChosen),
+              pick: (at) => nameAt(session, at),
               end: t.labels.done,
             })
           }
@@ -48,8 +49,8 @@ export function LabelsWindow({ session, picture }: PictureWindowProps) {
             session={session}
             scene={scene}
             label={label}
-            chosen={chosen === label.number}
-            choose={() => setChosen(chosen === label.number ? null : label.number)}
+            chosen={chosenLabel.value === label.number}
+            choose={() => (chosenLabel.value = chosenLabel.value === label.number ? null : label.number)}
           />
         ))}
       </ul>
@@ -62,24 +63,29 @@ export function LabelsWindow({ session, picture }: PictureWindowProps) {
   );
 }
 
+/** Says which labels the server has found, because nobody has checked them. */
+function Origin({ labels }: { readonly labels: readonly Label[] }) {
+  const found = labels.filter(({ number }) => looks.foundPart(number));
+  if (found.length === 0) return null;
+  const text = found.length === labels.length ? t.labels.allFound : t.labels.someFound(found.map(nameOf).join(", "));
+  return (
+    <p class="hint" data-testid="labels-found">
+      {text}
+    </p>
+  );
+}
+
 /** Returns the name of the label at a point of the picture, and chooses it in the list. */
-async function nameAt(
-  session: ViewerSession,
-  { x, y }: { readonly x: number; readonly y: number },
-  choose: (number: number) => void,
-): Promise<string> {
+async function nameAt(session: ViewerSession, { x, y }: { readonly x: number; readonly y: number }): Promise<string> {
   const answer = await session.depthAt(x, y);
   if (!answer.answered) return t.labels.noAnswer;
   if (!answer.seen) return t.labels.nothingThere;
   const number = answer.seen.label;
   const label = session.labels.value.find((one) => one.number === number);
   if (!label) return t.labels.unmarked;
-  choose(number);
+  session.slices.chosenLabel.value = number;
   return nameOf(label);
 }
-
-export const nameOf = ({ name, number }: Pick<Label, "name" | "number">): string =>
-  name || (number === looks.brain ? t.labels.brain : t.labels.untitled(number));
 
 interface RowProps {
   readonly session: ViewerSession;
@@ -119,7 +125,10 @@ function Row({ session, scene, label, chosen, choose }: RowProps) {
           class="button button-small"
           aria-pressed={solo}
           aria-label={t.labels.onlyOf(name)}
-          onClick={() => once(`label ${number} alone`, (now, on: boolean) => looks.setSolo(now, number, on))(!solo)}
+          onClick={() => {
+            if (!solo) showMatterOf(session, number);
+            once(`label ${number} alone`, (now, on: boolean) => looks.setSolo(now, number, on))(!solo);
+          }}
         >
           {t.labels.only}
         </button>
@@ -127,6 +136,18 @@ function Row({ session, scene, label, chosen, choose }: RowProps) {
       {chosen ? <Look session={session} scene={scene} label={label} /> : null}
     </li>
   );
+}
+
+/**
+ * Chooses the look that suits a part which the server has found. Other looks may not show its matter, such as air, or
+ * cover bone with the flesh around it.
+ */
+function showMatterOf(session: ViewerSession, number: number): void {
+  const part = looks.foundPart(number);
+  const { editor } = session;
+  const fitting = editor.presets.value.find(({ name }) => part && name === looks.lookOfPart[part]);
+  const active = editor.activePreset(); // null if the user has changed the materials
+  if (fitting && active && active !== fitting) editor.applyPreset(fitting);
 }
 
 function Swatch({ scene, label }: Pick<RowProps, "scene" | "label">) {

@@ -1,9 +1,11 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../../api/client";
 import type { DataSet } from "../../api/types";
-import { startUpload, type RunningUpload } from "../../api/upload";
+import { LabelUpload, LabelUploadError } from "../../api/label_upload";
+import type { StallReason } from "../../api/upload";
 import { makeBundle } from "../../scan/bundle";
 import { cleanLabelFile, LabelFileError } from "../../scan/label_file";
+import { local } from "../../storage";
 import { t } from "../../texts";
 import { useApp, type AppState } from "../state";
 import { useLatest } from "../use_latest";
@@ -17,7 +19,11 @@ export interface LabelsTask {
   readonly phase: LabelsPhase | null;
   /** The fraction that was sent, from 0 to 1. */
   readonly sent: number;
+  /** Why nothing can be sent at the moment. The upload resumes by itself. Null if it is not interrupted. */
+  readonly stalled: StallReason | null;
   readonly fault: string;
+  /** Repeats an upload that failed. Null if there is none, or if it would fail again. */
+  readonly again: (() => Promise<void>) | null;
   readonly add: (file: File) => Promise<void>;
   readonly remove: () => Promise<void>;
 }
@@ -30,8 +36,10 @@ export function useLabels(set: DataSet): LabelsTask {
   const [labels, setLabels] = useState(set.labels);
   const [phase, setPhase] = useState<LabelsPhase | null>(set.labels?.placing ? "placing" : null);
   const [sent, setSent] = useState(0);
+  const [stalled, setStalled] = useState<StallReason | null>(null);
   const [fault, setFault] = useState("");
-  const running = useRef<RunningUpload | null>(null);
+  const [failedFile, setFailedFile] = useState<File | null>(null);
+  const running = useRef<LabelUpload | null>(null);
   const failed = (thrown: unknown) => {
     setFault(faultOf(thrown) ?? app.explain(thrown));
     setPhase(null);
@@ -44,16 +52,28 @@ export function useLabels(set: DataSet): LabelsTask {
   usePlacing(app, set.id, phase === "placing", learned, failed);
 
   const add = async (file: File) => {
+    running.current?.stop();
     setFault("");
+    setFailedFile(null);
     setSent(0);
+    setStalled(null);
     setPhase("reading");
     try {
       const bundle = makeBundle([await cleanLabelFile(file)]);
-      const announced = await app.api.addLabels(set.id, bundle.size);
-      setLabels(announced.data_set.labels);
       setPhase("sending");
-      const done = () => setPhase("placing");
-      running.current = send(app, bundle, announced.upload_url, { progress: setSent, done, failed });
+      running.current = new LabelUpload(app.api, local, set.id, bundle, {
+        announced: setLabels,
+        progress: (part) => {
+          setStalled(null);
+          setSent(part);
+        },
+        stalled: setStalled,
+        done: () => setPhase("placing"),
+        failed: (thrown) => {
+          setFailedFile(file);
+          failed(thrown);
+        },
+      });
     } catch (thrown) {
       failed(thrown);
     }
@@ -67,21 +87,8 @@ export function useLabels(set: DataSet): LabelsTask {
       failed(thrown);
     }
   };
-  return { labels, phase, sent, fault, add, remove };
-}
-
-interface SendEvents {
-  readonly progress: (part: number) => void;
-  readonly done: () => void;
-  readonly failed: (thrown: unknown) => void;
-}
-
-function send(app: AppState, bundle: Blob, url: string, events: SendEvents): RunningUpload {
-  return startUpload(bundle, url, () => app.api.csrfToken, {
-    progress: (bytes, total) => events.progress(bytes / total),
-    stalled: () => undefined, // it resumes automatically, and the bar shows its progress
-    end: ({ kind }) => (kind === "done" ? events.done() : events.failed(new LabelUploadError())),
-  });
+  const again = failedFile && (() => add(failedFile));
+  return { labels, phase, sent, stalled, fault, again, add, remove };
 }
 
 /** Polls while the server reads a file of labels. */
@@ -116,9 +123,6 @@ function usePlacing(
     };
   }, [app, id, on, events]);
 }
-
-/** Thrown if the server has rejected an upload permanently. */
-class LabelUploadError extends Error {}
 
 function faultOf(thrown: unknown): string | null {
   if (thrown instanceof LabelFileError) return t.labels.faults[thrown.fault];

@@ -17,12 +17,12 @@ export function ErrorCurvePart({ session }: { readonly session: ViewerSession })
   const [saving, setSaving] = useState(false);
   useEffect(() => {
     if (phase !== "live") return;
-    const timer = setTimeout(() => void session.refreshCurve(), calmMs);
+    const timer = setTimeout(() => void session.curve.refresh(), calmMs);
     return () => clearTimeout(timer);
   }, [epoch, finished, phase, session]);
   const save = async (format: CurveFormat) => {
     setSaving(true);
-    await session.refreshCurve();
+    await session.curve.refresh();
     setSaving(false);
     const { width = 0, height = 0 } = session.pictures.picture.value ?? {};
     saveFile(

@@ -1,6 +1,7 @@
 import { t } from "../../texts";
 import { CloseButton, Dialog } from "../dialog";
 import { Icon, type IconName } from "../icons";
+import { useMedia } from "../use_media";
 
 export interface HelpDialogProps {
   /** Which of the buttons this viewer has. */
@@ -49,12 +50,14 @@ export function HelpDialog({ has, looks, onClose }: HelpDialogProps) {
 /** Names the buttons that show only an icon, because a touch screen has no tooltips. */
 function Buttons({ has }: Pick<HelpDialogProps, "has">) {
   const { windows } = t.settings;
+  const narrow = useMedia("(max-width: 520px)"); // compare.css hides the button there
   const all: readonly (readonly [IconName, string, boolean])[] = [
     ["four", t.viewer.helpButtons.slices, has.slices],
     ["reset", t.viewer.reset, true],
     ["camera", t.viewer.screenshot, true],
     ["record", t.recording.open, has.account],
     ["star", t.presets.open, has.presets],
+    ["compare", t.compare.open, has.presets && !narrow],
     ["globe", t.sharing.open, has.sharing],
     ["people", t.live.open, true],
     ["undo", t.settings.undo, true],

@@ -3,15 +3,21 @@ import { Modality, type Preset } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { lookColour } from "../../scene/look_colour";
-import { useThumbnail } from "../thumbnail";
+import { useLookPicture } from "../thumbnail";
 
 /** The built-in looks, each as a picture of this scan. */
-export function Presets({ session }: { readonly session: ViewerSession }) {
+export function Presets({
+  session,
+  label = t.viewer.presets,
+}: {
+  readonly session: ViewerSession;
+  readonly label?: string;
+}) {
   const presets = session.editor.presets.value;
   const active = session.editor.activePreset();
   if (presets.length === 0) return null;
   return (
-    <div class="glass presets" role="region" aria-label={t.viewer.presets}>
+    <div class="glass presets" role="region" aria-label={label}>
       {presets.map((preset, i) => (
         <PresetButton key={preset.name} session={session} preset={preset} digit={i + 1} pressed={preset === active} />
       ))}
@@ -32,8 +38,7 @@ function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
   const name = isKnown(preset.name) ? preset.name : null;
   const isCt = session.volume.value?.modality === Modality.CT;
   const shown = (isCt ? t.viewer.lookOfCt : t.viewer.lookOfOther)[preset.name] ?? preset.name;
-  const pictured = session.picturedId;
-  const { url } = useThumbnail(pictured ?? "", name ?? "skin", name !== null && pictured !== null);
+  const { url } = useLookPicture(session.lookPictures, name);
   const colour = lookColour(preset.scene);
   return (
     <button

@@ -26,6 +26,7 @@ export interface ShareDialogProps {
 
 /** The link with which others join, and the participants. */
 export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps) {
+  const raised = role.people.filter(({ hand }) => hand > 0).length;
   return (
     <Dialog title={t.live.title} onClose={onClose}>
       {owner ? (
@@ -45,7 +46,7 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
               {[
                 one.presenter ? t.live.presenting : "",
                 one.freeCamera ? t.live.withFreeCamera : "",
-                one.hand > 0 ? t.live.hand(one.hand) : "",
+                one.hand > 0 ? t.live.hand(one.hand, raised) : "",
               ]
                 .filter(Boolean)
                 .join(", ")}

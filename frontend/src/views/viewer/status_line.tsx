@@ -4,6 +4,7 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { Link } from "../router";
 import type { Trouble } from "../../protocol/connection";
+import { useApp } from "../state";
 import { PictureTimeOver } from "./picture_time";
 import { VisitOver, wayBack, type Visitor } from "./visitor";
 
@@ -17,6 +18,7 @@ export interface StatusLineProps {
 
 /** The reason for a missing or outdated picture. A screen reader announces it. */
 export function StatusLine({ session, fault, visitor, children }: StatusLineProps) {
+  const app = useApp();
   const connection = session?.connection.value;
   const trouble = connection?.trouble ?? null;
   const shown = session?.pictures.picture.value ?? null;
@@ -24,29 +26,37 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
   const stopped = connection?.phase === "stopped" || elsewhere;
   // Shows the server's own message for a rejection, if there is one.
   const message = session?.problem.value ?? "";
-  const text =
+  const said =
     [fault, trouble === "refused" ? message : "", trouble ? t.viewer.troubles[trouble] : "", message].find(
       (line) => line !== "",
     ) ?? "";
-  const meanwhile = shown && trouble && !stopped ? t.viewer.meanwhile : "";
+  const isLate = said === "" && (session?.answers.late.value ?? false);
+  const text = isLate ? t.viewer.late : said;
+  const meanwhile = shown && ((trouble && !stopped) || isLate) ? t.viewer.meanwhile : "";
   const over = overOf(trouble, visitor);
   const ownView = session?.ownView.coming.value ?? false;
+  // Slices alone need no picture, and nothing may cover them.
+  const wanted = session?.slices.pictureShown.value ?? true;
   return (
     <div
-      class={`viewer-status${shown === null || over !== null ? " viewer-status-middle" : ""}`}
+      class={`viewer-status${(wanted && shown === null) || over !== null ? " viewer-status-middle" : ""}`}
       role="status"
       data-phase={connection?.phase ?? "idle"}
     >
       {over ?? (
         <StatusMessage
-          waiting={text === "" && (shown === null || ownView)}
+          waiting={text === "" && wanted && (shown === null || ownView)}
           ownView={ownView}
-          bad={!trouble || stopped}
+          bad={(!trouble && !isLate) || stopped}
           text={[text, meanwhile]}
         >
           {elsewhere ? (
             <button type="button" class="button" onClick={() => session?.start()}>
               {t.viewer.continueHere}
+            </button>
+          ) : trouble === "signed_out" ? (
+            <button type="button" class="button" onClick={() => (app.me.value = null)}>
+              {t.account.signIn}
             </button>
           ) : stopped ? (
             <Link href={wayBack(visitor).href}>{wayBack(visitor).text}</Link>

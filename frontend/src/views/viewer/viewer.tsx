@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { DataSet } from "../../api/types";
 import type { Region } from "../../cut/region";
@@ -6,12 +7,13 @@ import { ownPlace, type Place } from "../../live/place";
 import { roleOf } from "../../live/role";
 import { isOver, isVisitOver } from "../../protocol/connection";
 import { t } from "../../texts";
+import type { ViewerSession } from "../../video/viewer_session";
 import { OpenLibrary } from "../marks/open_library";
 import { InPicture } from "../picture/in_picture";
 import { titleOf } from "../scan_card";
 import { useApp } from "../state";
 import { LinkedView } from "./export/linked_view";
-import { ShotLine, useShot } from "./export/shot";
+import { ShotLine, useShot, type Shot } from "./export/shot";
 import { LiveLine, RaisedHands } from "./live_line";
 import { obeyCommand } from "./obey_command";
 import { PictureTimeLine } from "./picture_time";
@@ -23,7 +25,7 @@ import { useKeyCommands } from "./use_key_commands";
 import { useViewerSession } from "./use_viewer_session";
 import { HiddenTable } from "./treatment";
 import { ViewerDialogs, type OpenDialog } from "./viewer_dialogs";
-import { ViewerHeader } from "./viewer_header";
+import { ViewerHeader, type ViewerHeaderProps } from "./viewer_header";
 import { ViewerPanels } from "./viewer_panels";
 import { ViewerStage } from "./viewer_stage";
 import type { Visitor } from "./visitor";
@@ -47,6 +49,8 @@ export interface ViewerProps {
   readonly set?: DataSet | null;
   /** Set if the viewer is a visitor. */
   readonly visitor?: Visitor;
+  /** Set if a second scan is shown over this one: the controls of both. */
+  readonly fused?: (session: ViewerSession) => ComponentChildren;
   readonly onChange?: (set: DataSet) => void;
   /** Set if the scan is to be cut. Called with the region to keep and the hash of the volume that it belongs to. */
   readonly onCut?: (region: Region, volumeHash: string) => void;
@@ -54,7 +58,7 @@ export interface ViewerProps {
 
 const ignore = () => undefined;
 
-export function Viewer({ place, title, set = null, onChange = ignore, onCut, visitor }: ViewerProps) {
+export function Viewer({ place, title, set = null, onChange = ignore, onCut, visitor, fused }: ViewerProps) {
   const page = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const { session, fault } = useViewerSession(place, canvas);
@@ -68,7 +72,6 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
   const cutting = onCut !== undefined;
   const cut = onCut && place.data_set_id !== null ? { dataSetId: place.data_set_id, onConfirm: onCut } : null;
   const focusPicture = () => canvas.current?.focus();
-  const film = () => setOpen("film");
   const obey = (command: KeyCommand) => {
     if (session) obeyCommand(command, { session, page: page.current, slices: !cutting, open: setOpen });
   };
@@ -87,20 +90,15 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       data-visit={session && isVisitOver(session.connection.value) ? "over" : undefined}
     >
       <ViewerStage canvas={canvas} session={session} role={role} picture={picture} cutting={cutting} />
-      <ViewerHeader {...common} title={title} visitor={visitor} cutting={cutting} obey={obey} open={setOpen} />
+      <ViewerHeader {...common} {...{ title, visitor, cutting, obey }} fused={fused !== undefined} open={setOpen} />
       <footer class="not-medical">{t.viewer.notMedical}</footer>
       {session ? <SlicesLine session={session} /> : null}
-      <StatusLine session={session} fault={fault} visitor={visitor}>
-        {own ? <PictureTimeLine onHide={focusPicture} /> : null}
-        <ShotLine shot={shot} />
-        {session && role.presents && role.others > 0 ? <RaisedHands session={session} role={role} /> : null}
-        {session && !cutting ? <TourLine session={session} role={role} onHide={focusPicture} onVideo={film} /> : null}
-        {session && !cutting ? <HiddenTable session={session} presents={role.presents} /> : null}
-      </StatusLine>
+      <Status {...common} {...{ visitor, fault, shot, cutting, focusPicture }} film={() => setOpen("film")} />
       {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}
       {session ? (
         <ViewerPanels session={session} role={role} picture={picture} cut={cut} focusPicture={focusPicture} />
       ) : null}
+      {session && role.presents && fused ? fused(session) : null}
       {session && own && role.presents && !cutting ? (
         <>
           <WantedPreset session={session} />
@@ -113,5 +111,25 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
         <OpenLibrary session={session} place={place} set={set} own={own} />
       ) : null}
     </div>
+  );
+}
+
+type StatusProps = Pick<ViewerHeaderProps, "session" | "role" | "own" | "visitor" | "cutting"> & {
+  readonly fault: string;
+  readonly shot: Shot;
+  readonly focusPicture: () => void;
+  readonly film: () => void;
+};
+
+/** The state of the picture, with notes below it. */
+function Status({ session, role, own, visitor, cutting, fault, shot, focusPicture, film }: StatusProps) {
+  return (
+    <StatusLine session={session} fault={fault} visitor={visitor}>
+      {own ? <PictureTimeLine onHide={focusPicture} /> : null}
+      <ShotLine shot={shot} />
+      {session && role.presents && role.others > 0 ? <RaisedHands session={session} role={role} /> : null}
+      {session && !cutting ? <TourLine session={session} role={role} onHide={focusPicture} onVideo={film} /> : null}
+      {session && !cutting ? <HiddenTable session={session} presents={role.presents} /> : null}
+    </StatusLine>
   );
 }

@@ -2,6 +2,7 @@ import type { DataSet } from "../../api/types";
 import type { Role } from "../../live/role";
 import { isVisitOver } from "../../protocol/connection";
 import type { ViewerSession } from "../../video/viewer_session";
+import { ChooseScanDialog } from "../compare/choose_scan";
 import { ShareScanDialog } from "../share_scan";
 import { ExportDialog, type ExportDialogProps } from "./export/export_dialog";
 import type { Shot } from "./export/shot";
@@ -11,7 +12,7 @@ import { RecordingDialog } from "./recording";
 import { SavedPresets } from "./saved_presets";
 import { ShareDialog } from "./share_dialog";
 
-export type OpenDialog = "help" | "share" | "recording" | "scan" | "presets" | "export" | "film";
+export type OpenDialog = "help" | "share" | "recording" | "scan" | "presets" | "export" | "film" | "compare";
 
 export interface ViewerDialogsProps {
   readonly open: OpenDialog | null;
@@ -47,6 +48,8 @@ export function ViewerDialogs({ open, close, session, role, own, set, onChange, 
           close={close}
         />
       ) : null;
+    case "compare":
+      return set ? <ChooseScanDialog first={set} onClose={close} /> : null;
     case "recording":
       return <RecordingDialog onClose={close} />;
     case null:

@@ -22,6 +22,8 @@ export interface ViewerHeaderProps {
   readonly set: DataSet | null;
   readonly visitor: Visitor | undefined;
   readonly cutting: boolean;
+  /** Whether a second scan is shown over this one. */
+  readonly fused: boolean;
   readonly obey: (command: KeyCommand) => void;
   readonly open: (dialog: OpenDialog) => void;
 }
@@ -43,7 +45,7 @@ export function ViewerHeader(props: ViewerHeaderProps) {
   );
 }
 
-function ViewerTools({ session, role, own, set, cutting, obey, open }: ViewerHeaderProps) {
+function ViewerTools({ session, role, own, set, cutting, fused, obey, open }: ViewerHeaderProps) {
   const isOver = session !== null && isVisitOver(session.connection.value);
   return (
     <div class="glass viewer-tools">
@@ -61,6 +63,9 @@ function ViewerTools({ session, role, own, set, cutting, obey, open }: ViewerHea
       ) : null}
       {set ? (
         <IconButton class="tool-presets" icon="star" label={t.presets.open} onClick={() => open("presets")} />
+      ) : null}
+      {set && !cutting && !fused ? (
+        <IconButton class="tool-compare" icon="compare" label={t.compare.open} onClick={() => open("compare")} />
       ) : null}
       {set?.owned ? (
         <IconButton class="tool-scan" icon="globe" label={t.sharing.open} onClick={() => open("scan")} />

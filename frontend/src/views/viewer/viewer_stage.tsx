@@ -2,6 +2,7 @@ import type { RefObject } from "preact";
 import type { Role } from "../../live/role";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
+import { Divider } from "../compare/divider";
 import type { InPicture } from "../picture/in_picture";
 import { PictureHandles } from "../picture/picture_handles";
 import { PicturePointers } from "../picture/pointers";
@@ -36,6 +37,7 @@ export function ViewerStage({ canvas, session, role, picture, cutting }: ViewerS
       {session ? <PicturePointers session={session} role={role} /> : null}
       {session && !cutting ? <PictureMarks session={session} role={role} /> : null}
       {session ? <LostEnvironment session={session} /> : null}
+      {session && role.presents ? <Divider session={session} /> : null}
       {session && role.presents && !cutting ? <PictureHandles session={session} picture={picture} /> : null}
       {session && role.presents ? <PointPicker picture={picture} /> : null}
     </main>
@@ -43,7 +45,7 @@ export function ViewerStage({ canvas, session, role, picture, cutting }: ViewerS
 }
 
 /** Returns data attributes that describe the shown picture, for tests and user scripts. */
-function pictureData(session: ViewerSession | null): Record<string, string> {
+export function pictureData(session: ViewerSession | null): Record<string, string> {
   const facts = session?.pictures.picture.value;
   if (!facts) return {};
   const lossless = session.pictures.lossless.value;

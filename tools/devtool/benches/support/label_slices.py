@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-# Tints by label (outside, body, support, metal): factors of the grey value, and offsets that are
-# added to it.
-_TINTS = np.array([[0.2, 0.2, 0.6], [1, 1, 1], [1, 0.25, 0.25], [1, 1, 0]])
-_FLOORS = np.array([[0, 0, 40], [12, 12, 12], [90, 0, 0], [120, 120, 0]])
+# Tints by label (outside, body, support, metal, brain, bone, lungs, airways, vessels): factors of
+# the grey value, and offsets that are added to it.
+_TINTS = np.array([[0.2, 0.2, 0.6], [1, 1, 1], [1, 0.25, 0.25], [1, 1, 0], [1, 0.8, 0.7], [1, 0.95, 0.6],
+                   [1, 0.5, 0.7], [0.3, 0.7, 1], [1, 0.2, 0.2]])
+_FLOORS = np.array([[0, 0, 40], [12, 12, 12], [90, 0, 0], [120, 120, 0], [40, 20, 20], [40, 40, 0],
+                    [80, 30, 50], [0, 60, 120], [120, 0, 0]])
 _GAP = 4
 
 

@@ -232,6 +232,12 @@ NewPassword: TypeAlias = str
 """
 
 
+Motion: TypeAlias = list[float]
+"""
+A rigid motion, as a row-major 4 x 4 matrix.
+"""
+
+
 class ScanExportProblem(TypedDict):
     """
     Why an export failed, in state `failed`.
@@ -280,6 +286,7 @@ class User(TypedDict):
     disabled: bool
     administrator: bool
     researcher: bool
+    archive_access: bool
     quota: StorageQuota
     render_time: RenderTime
     data_sets: int
@@ -351,7 +358,79 @@ class BrowserSession(TypedDict):
     """
 
 
-TokenScopes: TypeAlias = list[Literal['read', 'write', 'share']]
+DicomUid: TypeAlias = str
+
+
+ArchiveName: TypeAlias = str
+
+
+class ArchiveStudy(TypedDict):
+    """
+    A study as the archive describes it. Unknown texts are empty.
+    """
+
+    study: DicomUid
+    patient_name: str
+    patient_id: str
+    birth_date: str | None
+    sex: str
+    date: str | None
+    accession: str
+    description: str
+    modalities: list[str]
+    series: int | None
+    """
+    The number of series.
+    """
+    images: int | None
+
+
+class ArchiveSeries(TypedDict):
+    series: DicomUid
+    modality: str
+    description: str
+    body_part: str
+    thickness: float | None
+    """
+    Of a slice in mm.
+    """
+    number: int | None
+    images: int | None
+    suitable: bool
+    """
+    Whether it is a CT, MR or PET series.
+    """
+    recommended: bool
+
+
+class Fetch(TypedDict):
+    id: Id
+    state: Literal['fetching', 'uploading', 'done', 'failed', 'cancelled']
+    images: int
+    """
+    The images that have arrived.
+    """
+    total: int
+    """
+    The images of the series. 0 until the archive has listed them.
+    """
+    uploaded: float
+    """
+    From 0 to 1.
+    """
+    data_set_id: str | None
+    """
+    The scan, once the fetch is done.
+    """
+    problem: str | None
+    """
+    Why the fetch failed: unreachable, slow, unauthorised, faulty, not-found or invalid (the archive), or the kind of a
+    problem of the upload, such as over-quota.
+
+    """
+
+
+TokenScopes: TypeAlias = list[Literal['read', 'write', 'share', 'archive']]
 
 
 class ApiToken(TypedDict):
@@ -394,9 +473,9 @@ class Problem(TypedDict):
     type: str
     """
     `urn:diaphane:problem:` and one of invalid, bad-request, unauthenticated, wrong-credentials, code-needed, wrong-code, disabled, csrf,
-    origin, forbidden, second-factor-required, consent-needed, not-found, method-not-allowed, conflict, not-ready, not-anonymised, precondition, precondition-required, offset-mismatch, upload-complete,
+    origin, forbidden, second-factor-required, consent-needed, not-found, method-not-allowed, conflict, not-ready, not-anonymised, not-aligned, precondition, precondition-required, offset-mismatch, upload-complete,
     upload-expired, study-closed, study-full, participation-ended, locked, checksum-mismatch, link-expired, tus-version, over-quota, too-many-data-sets, render-time-spent, upload-too-large, body-too-large, storage-full, media-type,
-    idempotency-key-reused, too-many, too-many-attempts, no-worker, busy, unavailable, outcome-unknown, internal.
+    idempotency-key-reused, too-many, too-many-attempts, archive-unreachable, archive-refused, archive-faulty, no-worker, busy, unavailable, outcome-unknown, internal.
     `outcome-unknown` (503) means that the database connection was lost while a change was being saved. The change may
     or may not have been saved. Check, or repeat the request with the same Idempotency-Key.
 
@@ -450,6 +529,10 @@ class Me(TypedDict):
     researcher: bool
     """
     Whether the user may run studies.
+    """
+    archive_access: bool
+    """
+    Whether the user may use the hospital's archives.
     """
     administrator: bool
     """
@@ -632,6 +715,10 @@ class DataSet(TypedDict):
 class Session(TypedDict):
     session_id: Id
     data_set_id: Id
+    over: Id | None
+    """
+    The scan that it shows over the first one.
+    """
 
 
 class Stream(TypedDict):
@@ -830,6 +917,35 @@ class AnnotationSet(TypedDict):
     """
     created_at: Time
     updated_at: Time
+
+
+class Alignment(TypedDict):
+    state: Literal['none', 'waiting', 'running', 'ready', 'failed']
+    frame_of_reference_shared: bool
+    matrix: Motion | None
+    """
+    In state `ready`: from the patient coordinates of the second scan to those of the first (mm, LPS).
+    """
+    scene_matrix: Motion | None
+    """
+    The same between the world coordinates of their scenes.
+    """
+    residual_mm: float | None
+    """
+    Of a computed alignment in state `ready`: an estimate of its error, the root mean square distance between alignments from different halves of the data.
+    """
+    overlap: float | None
+    """
+    Share of the smaller scan that lies in the other.
+    """
+    reason: str | None
+    """
+    In state `failed`, a code such as `little_overlap` or `not_converged`.
+    """
+    may_align: bool
+    """
+    Whether you own one of the scans.
+    """
 
 
 class ScanExport(TypedDict):

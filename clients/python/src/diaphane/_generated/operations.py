@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 class Operation(NamedTuple):
     method: str
     path: str
-    scope: Literal["read", "write", "share"]
+    scope: Literal["read", "write", "share", "archive"]
 
 
 OPERATIONS: dict[str, Operation] = {
@@ -36,6 +36,9 @@ OPERATIONS: dict[str, Operation] = {
     "requestScanExport": Operation("POST", "/v1/data-sets/{data_set_id}/export", "read"),
     "deleteScanExport": Operation("DELETE", "/v1/data-sets/{data_set_id}/export", "read"),
     "downloadScanExport": Operation("GET", "/v1/data-sets/{data_set_id}/export/file", "read"),
+    "getAlignment": Operation("GET", "/v1/data-sets/{data_set_id}/alignments/{second_data_set_id}", "read"),
+    "requestAlignment": Operation("PUT", "/v1/data-sets/{data_set_id}/alignments/{second_data_set_id}", "write"),
+    "deleteAlignment": Operation("DELETE", "/v1/data-sets/{data_set_id}/alignments/{second_data_set_id}", "write"),
     "addLabels": Operation("POST", "/v1/data-sets/{data_set_id}/labels", "write"),
     "removeLabels": Operation("DELETE", "/v1/data-sets/{data_set_id}/labels", "write"),
     "listPeople": Operation("GET", "/v1/data-sets/{data_set_id}/people", "share"),
@@ -64,4 +67,11 @@ OPERATIONS: dict[str, Operation] = {
     "getEnvironment": Operation("GET", "/v1/environments/{environment_id}", "read"),
     "deleteEnvironment": Operation("DELETE", "/v1/environments/{environment_id}", "write"),
     "renameEnvironment": Operation("PATCH", "/v1/environments/{environment_id}", "write"),
+    "listArchives": Operation("GET", "/v1/archives", "archive"),
+    "searchArchive": Operation("POST", "/v1/archives/{archive}/studies", "archive"),
+    "listArchiveSeries": Operation("POST", "/v1/archives/{archive}/series", "archive"),
+    "startFetch": Operation("POST", "/v1/archives/{archive}/fetches", "archive"),
+    "getFetch": Operation("GET", "/v1/archives/{archive}/fetches/{fetch_id}", "archive"),
+    "cancelFetch": Operation("DELETE", "/v1/archives/{archive}/fetches/{fetch_id}", "archive"),
+    "recordReceipt": Operation("POST", "/v1/archive-receipts", "archive"),
 }

@@ -177,6 +177,30 @@ class OpacityPoint(_message.Message):
     value: float
     def __init__(self, value: _Optional[float] = ..., opacity: _Optional[float] = ...) -> None: ...
 
+class Overlay(_message.Message):
+    __slots__ = ["mode", "share", "split", "transfer_function"]
+    class Mode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+        __slots__ = []
+    MIXED: Overlay.Mode
+    MODE_FIELD_NUMBER: _ClassVar[int]
+    SHARE_FIELD_NUMBER: _ClassVar[int]
+    SPLIT: Overlay.Mode
+    SPLIT_FIELD_NUMBER: _ClassVar[int]
+    TRANSFER_FUNCTION_FIELD_NUMBER: _ClassVar[int]
+    mode: Overlay.Mode
+    share: float
+    split: float
+    transfer_function: TransferFunction
+    def __init__(self, transfer_function: _Optional[_Union[TransferFunction, _Mapping]] = ..., share: _Optional[float] = ..., mode: _Optional[_Union[Overlay.Mode, str]] = ..., split: _Optional[float] = ...) -> None: ...
+
+class OverlayLook(_message.Message):
+    __slots__ = ["name", "overlay"]
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    OVERLAY_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    overlay: Overlay
+    def __init__(self, name: _Optional[str] = ..., overlay: _Optional[_Union[Overlay, _Mapping]] = ...) -> None: ...
+
 class Phase(_message.Message):
     __slots__ = ["g"]
     G_FIELD_NUMBER: _ClassVar[int]
@@ -216,7 +240,7 @@ class Rgb(_message.Message):
     def __init__(self, r: _Optional[float] = ..., g: _Optional[float] = ..., b: _Optional[float] = ...) -> None: ...
 
 class Scene(_message.Message):
-    __slots__ = ["bounces", "camera", "clip", "display", "highlight", "labels", "lights", "phase", "shading", "show_table", "slices", "transfer_function", "volume_phase"]
+    __slots__ = ["bounces", "camera", "clip", "display", "highlight", "labels", "lights", "overlay", "phase", "shading", "show_table", "slices", "transfer_function", "volume_phase"]
     BOUNCES_FIELD_NUMBER: _ClassVar[int]
     CAMERA_FIELD_NUMBER: _ClassVar[int]
     CLIP_FIELD_NUMBER: _ClassVar[int]
@@ -224,6 +248,7 @@ class Scene(_message.Message):
     HIGHLIGHT_FIELD_NUMBER: _ClassVar[int]
     LABELS_FIELD_NUMBER: _ClassVar[int]
     LIGHTS_FIELD_NUMBER: _ClassVar[int]
+    OVERLAY_FIELD_NUMBER: _ClassVar[int]
     PHASE_FIELD_NUMBER: _ClassVar[int]
     SHADING_FIELD_NUMBER: _ClassVar[int]
     SHOW_TABLE_FIELD_NUMBER: _ClassVar[int]
@@ -237,13 +262,14 @@ class Scene(_message.Message):
     highlight: Highlight
     labels: _containers.RepeatedCompositeFieldContainer[LabelLook]
     lights: _containers.RepeatedCompositeFieldContainer[Light]
+    overlay: Overlay
     phase: Phase
     shading: Shading
     show_table: bool
     slices: Slices
     transfer_function: TransferFunction
     volume_phase: int
-    def __init__(self, transfer_function: _Optional[_Union[TransferFunction, _Mapping]] = ..., lights: _Optional[_Iterable[_Union[Light, _Mapping]]] = ..., camera: _Optional[_Union[Camera, _Mapping]] = ..., phase: _Optional[_Union[Phase, _Mapping]] = ..., display: _Optional[_Union[Display, _Mapping]] = ..., shading: _Optional[_Union[Shading, _Mapping]] = ..., clip: _Optional[_Union[Clip, _Mapping]] = ..., slices: _Optional[_Union[Slices, _Mapping]] = ..., bounces: _Optional[int] = ..., show_table: bool = ..., labels: _Optional[_Iterable[_Union[LabelLook, _Mapping]]] = ..., highlight: _Optional[_Union[Highlight, _Mapping]] = ..., volume_phase: _Optional[int] = ...) -> None: ...
+    def __init__(self, transfer_function: _Optional[_Union[TransferFunction, _Mapping]] = ..., lights: _Optional[_Iterable[_Union[Light, _Mapping]]] = ..., camera: _Optional[_Union[Camera, _Mapping]] = ..., phase: _Optional[_Union[Phase, _Mapping]] = ..., display: _Optional[_Union[Display, _Mapping]] = ..., shading: _Optional[_Union[Shading, _Mapping]] = ..., clip: _Optional[_Union[Clip, _Mapping]] = ..., slices: _Optional[_Union[Slices, _Mapping]] = ..., bounces: _Optional[int] = ..., show_table: bool = ..., labels: _Optional[_Iterable[_Union[LabelLook, _Mapping]]] = ..., highlight: _Optional[_Union[Highlight, _Mapping]] = ..., volume_phase: _Optional[int] = ..., overlay: _Optional[_Union[Overlay, _Mapping]] = ...) -> None: ...
 
 class Shading(_message.Message):
     __slots__ = ["gradient_scale", "mode"]

@@ -128,7 +128,7 @@ class ClientMessage(_message.Message):
     def __init__(self, hello: _Optional[_Union[Hello, _Mapping]] = ..., scene: _Optional[_Union[SceneUpdate, _Mapping]] = ..., ack: _Optional[_Union[Ack, _Mapping]] = ..., need_key: _Optional[_Union[NeedKey, _Mapping]] = ..., visibility: _Optional[_Union[Visibility, _Mapping]] = ..., handover: _Optional[_Union[Handover, _Mapping]] = ..., free_camera: _Optional[_Union[FreeCamera, _Mapping]] = ..., depth_query: _Optional[_Union[DepthQuery, _Mapping]] = ..., slices: _Optional[_Union[SliceRequest, _Mapping]] = ..., key_view: _Optional[_Union[KeyView, _Mapping]] = ..., file: _Optional[_Union[FileRequest, _Mapping]] = ..., file_taken: _Optional[_Union[FileTaken, _Mapping]] = ..., kernel: _Optional[_Union[KernelQuery, _Mapping]] = ..., guest_slices: _Optional[_Union[GuestSlices, _Mapping]] = ..., error_curve: _Optional[_Union[ErrorCurveQuery, _Mapping]] = ..., slice_view: _Optional[_Union[SliceView, _Mapping]] = ..., measurements: _Optional[_Union[Measurements, _Mapping]] = ..., pointer: _Optional[_Union[PointerMove, _Mapping]] = ..., guest_pointers: _Optional[_Union[GuestPointers, _Mapping]] = ..., shared_taken: _Optional[_Union[SharedTaken, _Mapping]] = ..., marks: _Optional[_Union[Marks, _Mapping]] = ..., mark_sight: _Optional[_Union[MarkSightQuery, _Mapping]] = ..., raise_hand: _Optional[_Union[RaiseHand, _Mapping]] = ..., file_mark: _Optional[_Union[FileMark, _Mapping]] = ..., good_views: _Optional[_Union[GoodViewsQuery, _Mapping]] = ...) -> None: ...
 
 class Config(_message.Message):
-    __slots__ = ["codec", "device", "engine", "follower", "histogram", "input_seq", "presets", "protocol", "scene", "session_id", "slice_stacks", "treatment", "volume"]
+    __slots__ = ["codec", "device", "engine", "follower", "histogram", "input_seq", "presets", "protocol", "scene", "second", "session_id", "slice_stacks", "treatment", "volume"]
     CODEC_FIELD_NUMBER: _ClassVar[int]
     DEVICE_FIELD_NUMBER: _ClassVar[int]
     ENGINE_FIELD_NUMBER: _ClassVar[int]
@@ -138,6 +138,7 @@ class Config(_message.Message):
     PRESETS_FIELD_NUMBER: _ClassVar[int]
     PROTOCOL_FIELD_NUMBER: _ClassVar[int]
     SCENE_FIELD_NUMBER: _ClassVar[int]
+    SECOND_FIELD_NUMBER: _ClassVar[int]
     SESSION_ID_FIELD_NUMBER: _ClassVar[int]
     SLICE_STACKS_FIELD_NUMBER: _ClassVar[int]
     TREATMENT_FIELD_NUMBER: _ClassVar[int]
@@ -151,11 +152,12 @@ class Config(_message.Message):
     presets: _containers.RepeatedCompositeFieldContainer[_scene_pb2.Preset]
     protocol: int
     scene: _scene_pb2.Scene
+    second: SecondVolume
     session_id: str
     slice_stacks: _containers.RepeatedCompositeFieldContainer[SliceStack]
     treatment: Treatment
     volume: _volume_pb2.VolumeHeader
-    def __init__(self, protocol: _Optional[int] = ..., session_id: _Optional[str] = ..., codec: _Optional[_Union[Codec, str]] = ..., engine: _Optional[str] = ..., device: _Optional[str] = ..., volume: _Optional[_Union[_volume_pb2.VolumeHeader, _Mapping]] = ..., scene: _Optional[_Union[_scene_pb2.Scene, _Mapping]] = ..., input_seq: _Optional[int] = ..., presets: _Optional[_Iterable[_Union[_scene_pb2.Preset, _Mapping]]] = ..., follower: bool = ..., histogram: _Optional[_Union[Histogram, _Mapping]] = ..., slice_stacks: _Optional[_Iterable[_Union[SliceStack, _Mapping]]] = ..., treatment: _Optional[_Union[Treatment, _Mapping]] = ...) -> None: ...
+    def __init__(self, protocol: _Optional[int] = ..., session_id: _Optional[str] = ..., codec: _Optional[_Union[Codec, str]] = ..., engine: _Optional[str] = ..., device: _Optional[str] = ..., volume: _Optional[_Union[_volume_pb2.VolumeHeader, _Mapping]] = ..., scene: _Optional[_Union[_scene_pb2.Scene, _Mapping]] = ..., input_seq: _Optional[int] = ..., presets: _Optional[_Iterable[_Union[_scene_pb2.Preset, _Mapping]]] = ..., follower: bool = ..., histogram: _Optional[_Union[Histogram, _Mapping]] = ..., slice_stacks: _Optional[_Iterable[_Union[SliceStack, _Mapping]]] = ..., treatment: _Optional[_Union[Treatment, _Mapping]] = ..., second: _Optional[_Union[SecondVolume, _Mapping]] = ...) -> None: ...
 
 class Depth(_message.Message):
     __slots__ = ["distance", "found", "id", "label", "place"]
@@ -213,22 +215,26 @@ class ErrorCurveQuery(_message.Message):
     def __init__(self) -> None: ...
 
 class ExactSlice(_message.Message):
-    __slots__ = ["columns", "data", "index", "oblique", "plane", "rows", "seq"]
+    __slots__ = ["columns", "data", "index", "labels", "oblique", "plane", "rows", "second", "seq"]
     COLUMNS_FIELD_NUMBER: _ClassVar[int]
     DATA_FIELD_NUMBER: _ClassVar[int]
     INDEX_FIELD_NUMBER: _ClassVar[int]
+    LABELS_FIELD_NUMBER: _ClassVar[int]
     OBLIQUE_FIELD_NUMBER: _ClassVar[int]
     PLANE_FIELD_NUMBER: _ClassVar[int]
     ROWS_FIELD_NUMBER: _ClassVar[int]
+    SECOND_FIELD_NUMBER: _ClassVar[int]
     SEQ_FIELD_NUMBER: _ClassVar[int]
     columns: int
     data: bytes
     index: int
+    labels: bytes
     oblique: int
     plane: AnatomicalPlane
     rows: int
+    second: bytes
     seq: int
-    def __init__(self, seq: _Optional[int] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., data: _Optional[bytes] = ..., oblique: _Optional[int] = ...) -> None: ...
+    def __init__(self, seq: _Optional[int] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., data: _Optional[bytes] = ..., oblique: _Optional[int] = ..., second: _Optional[bytes] = ..., labels: _Optional[bytes] = ...) -> None: ...
 
 class FileMark(_message.Message):
     __slots__ = ["label", "mark"]
@@ -649,6 +655,16 @@ class SceneUpdate(_message.Message):
     viewport: Viewport
     def __init__(self, input_seq: _Optional[int] = ..., scene: _Optional[_Union[_scene_pb2.Scene, _Mapping]] = ..., viewport: _Optional[_Union[Viewport, _Mapping]] = ..., raw: bool = ..., rest: bool = ..., effort: _Optional[_Union[Effort, _Mapping]] = ...) -> None: ...
 
+class SecondVolume(_message.Message):
+    __slots__ = ["histogram", "looks", "volume"]
+    HISTOGRAM_FIELD_NUMBER: _ClassVar[int]
+    LOOKS_FIELD_NUMBER: _ClassVar[int]
+    VOLUME_FIELD_NUMBER: _ClassVar[int]
+    histogram: Histogram
+    looks: _containers.RepeatedCompositeFieldContainer[_scene_pb2.OverlayLook]
+    volume: _volume_pb2.VolumeHeader
+    def __init__(self, volume: _Optional[_Union[_volume_pb2.VolumeHeader, _Mapping]] = ..., histogram: _Optional[_Union[Histogram, _Mapping]] = ..., looks: _Optional[_Iterable[_Union[_scene_pb2.OverlayLook, _Mapping]]] = ...) -> None: ...
+
 class ServerMessage(_message.Message):
     __slots__ = ["audience", "config", "depth", "error_curve", "file_part", "file_progress", "frame", "good_views", "kernel", "labels", "look", "mark_sight", "problem", "shared", "slice", "slices_stale", "state", "stats", "still", "volume_phases"]
     AUDIENCE_FIELD_NUMBER: _ClassVar[int]
@@ -773,7 +789,7 @@ class SliceStack(_message.Message):
     def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., slices: _Optional[int] = ..., first: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., right: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., down: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., next: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ...) -> None: ...
 
 class SliceView(_message.Message):
-    __slots__ = ["crosshair", "layout", "overlay", "placings", "plane", "projection", "slab", "smooth", "tilts", "window_centre", "window_width"]
+    __slots__ = ["crosshair", "labels", "layout", "overlay", "placings", "plane", "projection", "slab", "smooth", "tilts", "window_centre", "window_width"]
     class Layout(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = []
     class Placing(_message.Message):
@@ -798,6 +814,7 @@ class SliceView(_message.Message):
         def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., right: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., down: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ...) -> None: ...
     CROSSHAIR_FIELD_NUMBER: _ClassVar[int]
     FOUR: SliceView.Layout
+    LABELS_FIELD_NUMBER: _ClassVar[int]
     LAYOUT_FIELD_NUMBER: _ClassVar[int]
     LAYOUT_UNSPECIFIED: SliceView.Layout
     OVERLAY_FIELD_NUMBER: _ClassVar[int]
@@ -812,6 +829,7 @@ class SliceView(_message.Message):
     WINDOW_CENTRE_FIELD_NUMBER: _ClassVar[int]
     WINDOW_WIDTH_FIELD_NUMBER: _ClassVar[int]
     crosshair: _scene_pb2.Vec3
+    labels: float
     layout: SliceView.Layout
     overlay: float
     placings: _containers.RepeatedCompositeFieldContainer[SliceView.Placing]
@@ -822,7 +840,7 @@ class SliceView(_message.Message):
     tilts: _containers.RepeatedCompositeFieldContainer[SliceView.Tilt]
     window_centre: float
     window_width: float
-    def __init__(self, layout: _Optional[_Union[SliceView.Layout, str]] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., crosshair: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., window_centre: _Optional[float] = ..., window_width: _Optional[float] = ..., smooth: bool = ..., overlay: _Optional[float] = ..., placings: _Optional[_Iterable[_Union[SliceView.Placing, _Mapping]]] = ..., tilts: _Optional[_Iterable[_Union[SliceView.Tilt, _Mapping]]] = ..., slab: _Optional[float] = ..., projection: _Optional[_Union[Projection, str]] = ...) -> None: ...
+    def __init__(self, layout: _Optional[_Union[SliceView.Layout, str]] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., crosshair: _Optional[_Union[_scene_pb2.Vec3, _Mapping]] = ..., window_centre: _Optional[float] = ..., window_width: _Optional[float] = ..., smooth: bool = ..., overlay: _Optional[float] = ..., placings: _Optional[_Iterable[_Union[SliceView.Placing, _Mapping]]] = ..., tilts: _Optional[_Iterable[_Union[SliceView.Tilt, _Mapping]]] = ..., slab: _Optional[float] = ..., projection: _Optional[_Union[Projection, str]] = ..., labels: _Optional[float] = ...) -> None: ...
 
 class SlicesStale(_message.Message):
     __slots__ = []

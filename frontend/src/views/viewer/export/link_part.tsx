@@ -58,7 +58,9 @@ function useSceneLink(session: ViewerSession, dataSetId: string, withMarks: bool
       const files = await textureFiles([...lampTextures, ...skyTextures]);
       const hash = await linkOf(made, files, withMarks ? shownAnnotations(session) : null);
       if (!current) return;
-      const url = hash === null ? null : `${location.origin}/view/${dataSetId}${hash}`;
+      // A scene with a second scan leads to both.
+      const path = scene?.overlay ? location.pathname : `/view/${dataSetId}`;
+      const url = hash === null ? null : `${location.origin}${path}${hash}`;
       setLink({ url, complete: !hasOwnTextures(made, files) });
     };
     const saved = session.editor.toSave();

@@ -8,7 +8,7 @@ import { Choice } from "../../choice";
 import { Field } from "../../field";
 import { fault as faulty } from "../../form";
 import { bytesText, dateText } from "../../format";
-import { nameOf } from "../../labels/labels_window";
+import { nameOf } from "../../labels/label_name";
 import { Notice } from "../../shell";
 import { useScanExport } from "./use_scan_export";
 import { TakeForm } from "./take_form";

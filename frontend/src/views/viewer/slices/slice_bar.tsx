@@ -1,6 +1,6 @@
+import type { Signal } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
-import type { OverlaySetting } from "../../../slices/memory";
 import { tools, type Shown, type Slices } from "../../../slices/model";
 import { usualWindows, windowLimits, type UsualWindow } from "../../../slices/window";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
@@ -90,11 +90,15 @@ function ViewChoice({ slices }: Pick<SliceBarProps, "slices">) {
   );
 }
 
-/** Whether slices are smooth, and whether the colours of the look cover the grey. */
+/** Whether slices are smooth, and whether the colours of the look and of the labels cover the grey. */
 function DisplayControls({ slices }: Pick<SliceBarProps, "slices">) {
   const text = t.slices;
-  const { shown, strength } = slices.overlay.value;
-  const set = (change: Partial<OverlaySetting>) => (slices.overlay.value = { shown, strength, ...change });
+  const { overlay, labels } = slices;
+  const change =
+    <Setting,>(of: Signal<Setting>) =>
+    (part: Partial<Setting>) =>
+      (of.value = { ...of.value, ...part });
+  const [setOverlay, setLabels] = [change(overlay), change(labels)];
   return (
     <div class="slice-choice slice-display" role="group" aria-label={text.display}>
       <Toggle
@@ -103,21 +107,50 @@ function DisplayControls({ slices }: Pick<SliceBarProps, "slices">) {
         on={slices.smooth.value}
         change={(on) => (slices.smooth.value = on)}
       />
-      <Toggle text={text.overlay} help={text.overlayHelp} on={shown} change={(on) => set({ shown: on })} />
-      {shown ? (
-        <input
-          type="range"
-          min={0}
-          max={100}
-          step={5}
-          value={Math.round(100 * strength)}
-          aria-label={text.overlayStrength}
-          title={text.overlayStrength}
-          aria-valuetext={`${Math.round(100 * strength)}${t.settings.percent}`}
-          onInput={(event) => set({ strength: event.currentTarget.valueAsNumber / 100 })}
+      <Toggle
+        text={text.overlay}
+        help={text.overlayHelp}
+        on={overlay.value.shown}
+        change={(shown) => setOverlay({ shown })}
+      />
+      {overlay.value.shown ? (
+        <Strength label={text.overlayStrength} of={overlay.value} change={(strength) => setOverlay({ strength })} />
+      ) : null}
+      {slices.hasLabels.value ? (
+        <Toggle
+          text={text.labels}
+          help={text.labelsHelp}
+          on={slices.labelsShown.value}
+          change={(shown) => setLabels({ shown })}
         />
       ) : null}
+      {slices.labelsShown.value ? (
+        <Strength label={text.labelsStrength} of={labels.value} change={(strength) => setLabels({ strength })} />
+      ) : null}
     </div>
+  );
+}
+
+interface StrengthProps {
+  readonly label: string;
+  readonly of: { readonly strength: number };
+  readonly change: (strength: number) => void;
+}
+
+function Strength({ label, of, change }: StrengthProps) {
+  const percent = Math.round(100 * of.strength);
+  return (
+    <input
+      type="range"
+      min={0}
+      max={100}
+      step={5}
+      value={percent}
+      aria-label={label}
+      title={label}
+      aria-valuetext={`${percent}${t.settings.percent}`}
+      onInput={(event) => change(event.currentTarget.valueAsNumber / 100)}
+    />
   );
 }
 

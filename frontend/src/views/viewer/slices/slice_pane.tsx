@@ -4,12 +4,23 @@ import type { Vec3 } from "../../../input/vec3";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
 import type { Slices } from "../../../slices/model";
 import { tiltDegrees, unitAxes } from "../../../slices/oblique";
-import { blank, edgesOf, isInside, pixelOf, placeOf, placeParts, type Plane, type Stack } from "../../../slices/stack";
+import {
+  blank,
+  edgesOf,
+  inSlice,
+  isInside,
+  pixelOf,
+  placeOf,
+  placeParts,
+  type Plane,
+  type Stack,
+} from "../../../slices/stack";
 import { t } from "../../../texts";
 import { SliceMarks } from "../../marks/slice_marks";
 import { IconButton } from "../../icon_button";
 import { perMm } from "../../../slices/placing";
 import { scaleBar } from "../../../slices/scale_bar";
+import { nameOf } from "../../labels/label_name";
 import { isInSlice } from "../../../slices/measure";
 import { Marks } from "./marks";
 import { SlicePointers } from "./slice_pointers";
@@ -152,12 +163,18 @@ function SliceLabels({ slices, stack, volume, slice, byKey }: SliceLabelsProps) 
   const edges = edgesOf(stack);
   const title = titleOf(slices, stack);
   const pointed = slices.pointed.value;
-  const exact = pointed?.plane === stack.plane ? pointed.place : slices.crosshair.value;
+  // The slice may have been scrolled under the pointer.
+  const exact =
+    pointed?.plane === stack.plane ? inSlice(stack, pointed.place, slices.index(stack)) : slices.crosshair.value;
   // A value between the stored ones is that of the middle of a pixel.
   const place = stack.oblique ? placeOf(stack, pixelOf(stack, exact)) : exact;
-  const value = valueText(slices, stack, volume, place);
+  const second = slices.secondAt(stack, place);
+  const first = valueText(slices, stack, volume, place);
+  const value = second ? t.slices.both(first, textOf(second.value, second.modality)) : first;
   const where = t.slices.place(placeParts(place));
-  const said = () => [t.slices.said(title, value, where), ...measuresSaid(slices, slice)].join(", ");
+  const label = isInside(volume, place) ? slices.labelAt(stack, place) : null;
+  const name = label ? [nameOf(label)] : [];
+  const said = () => [t.slices.said(title, value, where), ...name, ...measuresSaid(slices, slice)].join(", ");
   return (
     <>
       {(["left", "right", "top", "bottom"] as const).map((edge) => (
@@ -167,6 +184,7 @@ function SliceLabels({ slices, stack, volume, slice, byKey }: SliceLabelsProps) 
       ))}
       <h2 class="slice-title">{title}</h2>
       <p class="slice-facts">
+        {label ? <span class="slice-label">{nameOf(label)}</span> : null}
         <b class="slice-value">{value}</b> <span class="slice-place">{where}</span>
       </p>
       <p class="visually-hidden" role="status">
@@ -196,12 +214,15 @@ function measuresSaid(slices: Slices, slice: MeasuredSlice): readonly string[] {
   return [...(newest ? measureLines(newest, slice) : []), ...(slices.held.value ? [t.slices.held] : [])];
 }
 
+const textOf = (value: number, modality: Modality | undefined): string =>
+  modality === Modality.CT ? t.slices.hu(value) : t.slices.value(value);
+
 function valueText(slices: Slices, stack: Stack, volume: VolumeHeader, place: Vec3): string {
   if (!isInside(volume, place)) return t.slices.nothing;
   const value = slices.valueAt(stack, place);
   if (value === null) return "…";
   if (value === blank && slices.access.value !== "whole") return t.slices.cutAway;
-  const text = volume.modality === Modality.CT ? t.slices.hu(value) : t.slices.value(value);
+  const text = textOf(value, volume.modality);
   return stack.oblique ? t.slices.interpolated(text) : text;
 }
 

@@ -67,7 +67,7 @@ export class SlicePaneController {
     };
     element.addEventListener("pointerup", up(false), passive);
     element.addEventListener("pointercancel", up(true), passive);
-    element.addEventListener("pointerleave", () => (this.slices.pointed.value = null), passive);
+    element.addEventListener("pointerleave", (event) => this.left(event), passive);
     element.addEventListener("dblclick", () => this.doubleClicked(), passive);
     element.addEventListener("wheel", (event) => this.wheelTurned(event), { signal, passive: false });
     preventBrowserGestures(element, signal);
@@ -127,6 +127,11 @@ export class SlicePaneController {
     }
   }
 
+  /** A finger leaves whenever it is lifted, and the facts of what it pressed stay. */
+  private left({ pointerType }: PointerEvent): void {
+    if (pointerType !== "touch") this.slices.pointed.value = null;
+  }
+
   private pointerMoved(sample: PointerSample): void {
     if (!sample.touch) this.slices.pointed.value = { plane: this.stack().plane, place: this.placeAt(sample) };
     this.performAll(this.gestures.move(sample));
@@ -166,6 +171,7 @@ export class SlicePaneController {
       case "tap":
         if (slices.tool.value === "crosshair") this.cross(action.at);
         else this.setPoint(this.placeAt(action.at));
+        if (!this.measureKind()) this.press(action.at);
         break;
       case "cross":
         this.cross(action.at);
@@ -252,6 +258,13 @@ export class SlicePaneController {
     const across = before.x * after.y - before.y * after.x;
     const along = before.x * after.x + before.y * after.y;
     this.slices.turn(stack.plane, (180 / Math.PI) * Math.atan2(across, along));
+  }
+
+  /** Shows the facts of the pressed place, and chooses its label in the list. */
+  private press(at: Point): void {
+    const place = this.placeAt(at);
+    this.slices.pointed.value = { plane: this.stack().plane, place };
+    this.slices.chosenLabel.value = this.slices.labelAt(this.stack(), place)?.number ?? null;
   }
 
   private cross(at: Point): void {

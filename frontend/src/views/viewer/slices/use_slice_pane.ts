@@ -45,11 +45,14 @@ export function useSlicePane({ slices, stack, volume, collaboration }: SlicePane
   useCanvasEvents(canvas, controller, drawing, setArea);
 
   const placing = slices.placing(stack);
-  const values = slices.drawnValues(stack);
+  const voxels = slices.drawnVoxels(stack);
   const table = slices.table.value;
+  const labelTable = slices.labelTable.value;
+  const second = slices.second.colours.value;
   const smooth = slices.smooth.value;
   useLayoutEffect(() => {
-    if (canvas.current && area.width > 0) drawing.draw(canvas.current, { stack, values, table, smooth, placing, area });
+    if (!canvas.current || area.width === 0) return;
+    drawing.draw(canvas.current, { stack, voxels, table, labelTable, second, smooth, placing, area });
   });
   return { canvas, controller, area };
 }

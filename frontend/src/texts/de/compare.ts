@@ -1,0 +1,65 @@
+import type { Texts } from "../shape";
+import { number } from "./counting";
+
+const mm = (n: number): string => (n < 10 ? n.toFixed(1).replace(".", ",") : number.format(Math.round(n)));
+
+export const compare: Texts["compare"] = {
+  open: "Mit einer anderen Aufnahme vergleichen",
+  openOf: (title) => `${title} mit einer anderen Aufnahme vergleichen`,
+  choose: "Zweite Aufnahme wählen",
+  chooseLead: (title) => `Wir zeigen sie neben „${title}“ oder darüber.`,
+  none: "Es gibt keine zweite Aufnahme zum Vergleichen. Fügen Sie zuerst eine hinzu.",
+  title: (first, second) => `${first} und ${second}`,
+  ways: "Arten des Vergleichs",
+  modes: { side: "Nebeneinander", over: "Übereinander" },
+  link: "Verbundene Kameras",
+  links: { off: "Getrennt drehen", sides: "Gemeinsam drehen", places: "Dieselbe Stelle in beiden" },
+  linksShort: { off: "Getrennt", sides: "Gemeinsam", places: "Dieselbe Stelle" },
+  swap: "Aufnahmen tauschen",
+  help: "Drehen Sie ein Bild, und das andere dreht sich mit. Eine Darstellung, die beide Aufnahmen haben, wechselt in beiden.",
+  alone: (title) => `${title} allein öffnen`,
+  looksOf: (title) => `Darstellungen von ${title}`,
+  align: {
+    open: "Ausrichten",
+    title: "Aufnahmen ausrichten",
+    shared: "Beide Aufnahmen haben dasselbe Bezugssystem. Jede Stelle liegt in beiden am selben Ort.",
+    needed:
+      "Diese Aufnahmen haben kein gemeinsames Bezugssystem: Sie stammen aus verschiedenen Untersuchungen, deshalb liegt dieselbe Stelle an verschiedenen Orten. Diaphane kann die zweite Aufnahme drehen und verschieben, bis beide zusammenpassen.",
+    duration: "Das dauert meist nur wenige Minuten.",
+    start: "Jetzt ausrichten",
+    waiting: "Die Ausrichtung wartet, bis sie an der Reihe ist …",
+    running: "Die Aufnahmen werden ausgerichtet …",
+    leave: "Sie können diese Seite verlassen. Das Ergebnis bleibt erhalten.",
+    ready: (residual) =>
+      `Die Aufnahmen sind auf ${residual < 0.1 ? "weniger als 0,1" : `etwa ${mm(residual)}`} mm genau ausgerichtet, soweit die Bilder das zeigen. Wo der Körper sich dazwischen bewegt oder verändert hat, liegen Stellen weiter auseinander.`,
+    overlap: (part) => `${Math.round(100 * part)} % der kleineren Aufnahme liegen in der anderen.`,
+    notMedical: "Nicht zur Diagnose. Prüfen Sie, ob bekannte Stellen übereinstimmen, bevor Sie sich darauf verlassen.",
+    again: "Neu ausrichten",
+    remove: "Ausrichtung verwerfen",
+    failed: "Die Aufnahmen ließen sich nicht ausrichten.",
+    reasons: {
+      little_overlap: "Sie zeigen kaum denselben Teil des Körpers.",
+      not_converged: "Es wurde keine Lage gefunden, in der sie gut genug zusammenpassen.",
+      no_structure: "Eine von ihnen zeigt zu wenig.",
+      no_memory: "Der Server hat zu wenig Speicher für Aufnahmen dieser Größe.",
+      too_slow: "Es hat zu lange gedauert.",
+    },
+    notYours: "Nur wem eine der beiden Aufnahmen gehört, kann sie ausrichten.",
+    show: "Beide zeigen",
+  },
+  overlay: {
+    title: "Zweite Aufnahme",
+    share: "Mischung",
+    shareText: (share) => `${Math.round(100 * share)} % zweite Aufnahme`,
+    first: "Erste",
+    second: "Zweite",
+    look: "Darstellung",
+    looks: { hot: "Glühendes Metall", bone: "Knochen", tint: "Getönt", same: "Wie die erste" },
+    mode: "Zeigen",
+    modes: { mixed: "Beide gemischt", split: "Vorher und nachher" },
+    alignment: "Ausrichtung",
+    divider: "Trennlinie zwischen der ersten und der zweiten Aufnahme",
+    dividerText: (split) => `${Math.round(100 * split)} % von links`,
+    unavailable: "Dieser Server kann keine Aufnahme über einer anderen zeigen.",
+  },
+};
