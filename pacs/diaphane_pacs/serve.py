@@ -8,8 +8,10 @@ import logging
 import os
 import re
 import signal
+import socket
 import sys
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from http import HTTPStatus
@@ -28,6 +30,8 @@ from .spool import Spool, SpoolError
 
 #: Seconds without a byte after which a connection ends.
 _CONNECTION_SECONDS = 30
+#: Seconds for which the rest of a refused body is read after the response.
+_LINGER_SECONDS = 5
 _MOST_BODY = 64 << 10
 _stow_places = threading.BoundedSemaphore(limits.MOST_STOW)
 
@@ -210,6 +214,22 @@ class Server(ThreadingHTTPServer):
     def __init__(self, address: tuple[str, int], gateway: Gateway):
         super().__init__(address, Handler)
         self.gateway = gateway
+
+    def shutdown_request(self, request: socket.socket | tuple[bytes, socket.socket]) -> None:
+        """Ends a connection without losing the response. Closing one whose body is unread resets it, and a sender that is still
+        writing then never sees why it was refused.
+        """
+        assert isinstance(request, socket.socket)
+        end = time.monotonic() + _LINGER_SECONDS
+        try:
+            request.shutdown(socket.SHUT_WR)
+            while (left := end - time.monotonic()) > 0:
+                request.settimeout(left)
+                if not request.recv(1 << 16):
+                    break
+        except OSError:
+            pass    # the other side is gone, or was too slow
+        self.close_request(request)
 
     def handle_error(self, request: object, client_address: object) -> None:
         """Logs only the type of an error, because its message may quote what was sent."""
