@@ -8,6 +8,7 @@
 #include "api/scans/view_rows.h"
 #include "api/shared/audit_repository.h"
 #include "api/shared/idempotency_rows.h"
+#include "common/backup_lock.h"
 
 namespace diaphane::api {
 namespace {
@@ -290,6 +291,10 @@ Result<void> DataSetRepository::expire_views(Time now) {
 Result<std::vector<Disposal>> DataSetRepository::disposals(int limit) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Disposal>> {
     std::vector<Disposal> found;
+    // Files stay while a backup copies them.
+    const auto free =
+        transaction.exec_params1("SELECT pg_try_advisory_xact_lock_shared($1)", kBackupLock)[0];
+    if (!free.as<bool>()) return found;
     for (const auto& [kind, name] : kDisposals) {
       const pqxx::result rows = transaction.exec_params(
           "SELECT id FROM disposals WHERE kind = $1 ORDER BY created_at LIMIT $2", name, limit);

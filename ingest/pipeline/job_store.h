@@ -115,6 +115,8 @@ class JobStore {
                             bool count_attempt) = 0;
   /// Requeues the job for a worker with more memory. The attempt does not count.
   virtual Result<void> leave_to_large(const Job& job) = 0;
+  /// Whether a backup copies files now. Then none that a row named before may be deleted.
+  virtual Result<bool> files_are_kept() = 0;
   /// Records that the upload's file was deleted from the disk.
   virtual Result<void> upload_removed(const std::string& upload_id) = 0;
   virtual Result<QueueState> queue() = 0;

@@ -3,6 +3,7 @@
 #include <pqxx/pqxx>
 #include <stdexcept>
 
+#include "common/backup_lock.h"
 #include "common/ids.h"
 #include "common/log.h"
 #include "common/try.h"
@@ -420,6 +421,14 @@ Result<void> PostgresJobs::wait(const Job& job, WaitReason reason, std::chrono::
 
 Result<void> PostgresJobs::leave_to_large(const Job& job) {
   return impl_->put_back(job, nullptr, {}, false, true);
+}
+
+Result<bool> PostgresJobs::files_are_kept() {
+  return impl_->transact([](pqxx::work& transaction) {
+    const auto row =
+        transaction.exec_params1("SELECT pg_try_advisory_xact_lock_shared($1)", kBackupLock);
+    return !row[0].as<bool>();
+  });
 }
 
 Result<void> PostgresJobs::upload_removed(const std::string& upload_id) {

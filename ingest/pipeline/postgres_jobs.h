@@ -46,6 +46,7 @@ class PostgresJobs final : public JobStore {
   Result<void> wait(const Job& job, WaitReason reason, std::chrono::milliseconds pause,
                     bool count_attempt) override;
   Result<void> leave_to_large(const Job& job) override;
+  Result<bool> files_are_kept() override;
   Result<void> upload_removed(const std::string& upload_id) override;
   Result<QueueState> queue() override;
 

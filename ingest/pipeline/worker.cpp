@@ -254,11 +254,13 @@ void Worker::give_back(const Job& job) {
 }
 
 void Worker::remove_original(const Job& job) {
+  const auto kept = jobs_.files_are_kept();
+  if (!kept || *kept) return;  // its row in `disposals` stays, and api deletes it later
   std::error_code error;
   fs::remove(upload_path(job), error);
   if (error) {
     log::error("original_not_removed", {{"upload", job.upload_id}});
-    return;  // its row in `disposals` stays, and `api` retries
+    return;
   }
   fault_point("removed");
   (void)jobs_.upload_removed(job.upload_id);

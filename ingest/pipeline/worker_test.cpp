@@ -86,6 +86,10 @@ class FakeJobs final : public JobStore {
     released.push_back(job.data_set_id);
     return {};
   }
+  Result<bool> files_are_kept() override {
+    if (away > 0) return gone<bool>();
+    return backup_runs;
+  }
   Result<void> upload_removed(const std::string& id) override {
     removed.push_back(id);
     return {};
@@ -116,6 +120,7 @@ class FakeJobs final : public JobStore {
 
   std::deque<Job> waiting;
   int away = 0;  ///< number of calls that get no answer
+  bool backup_runs = false;
   std::atomic<int> renewals{0};
   Hold hold = Hold::kOurs, hold_at_finish = Hold::kOurs, hold_at_note = Hold::kOurs;
   struct Wait {
@@ -256,6 +261,15 @@ TEST_F(WorkerTest, SuccessStoresVolumeAndRemovesUpload) {
   EXPECT_FALSE(original_there(job));
   EXPECT_EQ(jobs_.removed, std::vector{job.upload_id});
   EXPECT_FALSE(w.work_once()) << "nothing waits";
+}
+
+TEST_F(WorkerTest, LeavesTheUploadWhileABackupMayNeedIt) {
+  jobs_.backup_runs = true;
+  const Job job = put();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
+  EXPECT_TRUE(original_there(job));
+  EXPECT_TRUE(jobs_.removed.empty()) << "its row lets api delete it later";
 }
 
 TEST_F(WorkerTest, RefusalRemovesUpload) {

@@ -35,6 +35,8 @@ CHOICES = {
     "archives": {"pacs": {"enabled": True, "secret": "archives", "receiver": {"enabled": True, "from": [{"ipBlock": {"cidr": "10.4.0.0/16"}}]},
                           "archivesTo": [{"ipBlock": {"cidr": "10.4.0.0/16"}}], "archivePorts": [443, 104], "spool": {"sizeMb": 1000, "storageClassName": "fast"},
                           "nodeSelector": {"pool": "web"}, "tolerations": [{"operator": "Exists"}]}},
+    "backups": {"backup": {"enabled": True, "secret": "backups", "repository": "s3:https://s3.example.org/scans", "credentialsSecret": "s3",
+                           "repositoryTo": [{"ipBlock": {"cidr": "10.5.0.0/16"}}], "nodeSelector": {"pool": "web"}, "tolerations": [{"operator": "Exists"}]}},
     "little": {"operator": {"enabled": False}, "fleet": {"enabled": False, "volumeCopies": {"sizeMb": 0}}, "networkPolicy": {"enabled": False}, "ingest": {"replicas": 0},
                "podDisruptionBudgets": {"enabled": False}, "studies": {"analysis": {"enabled": False}}, "migrate": {"enabled": False}, "api": {"replicas": 1},
                "storage": {"volumes": {"existingClaim": "a"}, "uploads": {"existingClaim": "b"}, "cache": {"existingClaim": "c"}}},
@@ -72,5 +74,6 @@ def rendered(plane, folder: Path, *parts: dict, namespace: str = "default", hook
 
 def pod_specs(objects: list[dict]) -> list[tuple[str, dict]]:
     """Returns the pod specs of all objects that create pods."""
-    return [(f"{one['kind']}/{one['metadata']['name']}", one["spec"]["template"]["spec"])
-            for one in objects if one["kind"] in ("Deployment", "StatefulSet", "Job", "RenderFleet")]
+    templates = [(one, one["spec"]["jobTemplate"] if one["kind"] == "CronJob" else one)
+                 for one in objects if one["kind"] in ("Deployment", "StatefulSet", "Job", "CronJob", "RenderFleet")]
+    return [(f"{one['kind']}/{one['metadata']['name']}", made["spec"]["template"]["spec"]) for one, made in templates]

@@ -58,6 +58,10 @@ def test_helm_lint_passes(plane, tmp_path):
     ({"networkPolicy": {"postgresTo": [{}]}}, "postgresTo"),
     ({"publicUrl": "http://x", "ingress": {"enabled": True, "tlsSecret": "t"}}, "ingress.tlsSecret"),
     ({"mailFrom": "a@b\nBcc: c@d"}, "mailFrom"),
+    ({"backup": {"enabled": True}}, "backup.enabled requires"),
+    ({"backup": {"enabled": True, "secret": "a", "repository": "/backups"}}, "requires backup.claim"),
+    ({"backup": {"repository": "/a b"}}, "repository"),
+    ({"backup": {"schedule": "hourly"}}, "schedule"),
     ({"pacs": {"enabled": True}}, "pacs.enabled requires pacs.secret"),
     ({"pacs": {"spool": {"sizeMb": 1}}}, "sizeMb"),
 ], ids=str)
@@ -244,6 +248,9 @@ def test_network_policies_allow_only_needed_connections(plane, tmp_path):
     assert {"ports": [{"port": 443}, {"port": 104}], "to": [{"ipBlock": {"cidr": "10.4.0.0/16"}}]} in archives["pacs"]["egress"]
     assert {"ports": [{"port": "dicom"}], "from": [{"ipBlock": {"cidr": "10.4.0.0/16"}}]} in archives["pacs"]["ingress"]
     assert any(port["port"] == 8096 for rule in archives["api"]["egress"] for port in rule["ports"])
+    saved = {one["metadata"]["name"].removeprefix("it-diaphane-"): one["spec"]
+             for one in rendered(plane, tmp_path, CHOICES["backups"]) if one["kind"] == "NetworkPolicy"}
+    assert {"ports": [{"port": 443}], "to": [{"ipBlock": {"cidr": "10.5.0.0/16"}}]} in saved["backup"]["egress"]
     grpc = [rule for rule in policies["renderd"]["ingress"] if rule["ports"] == [{"port": "grpc"}]]
     assert grpc[0]["from"][0]["podSelector"]["matchLabels"]["app.kubernetes.io/component"] == "api"
     pods = {spec_labels(one)["app.kubernetes.io/component"] for one in rendered(plane, tmp_path) if one["kind"] in ("Deployment", "Job", "RenderFleet")}
@@ -282,6 +289,20 @@ def test_the_gateway_to_archives_keeps_received_series_in_a_volume_of_its_own(pl
     own = rendered(plane, tmp_path, CHOICES["archives"], {"pacs": {"spool": {"existingClaim": "mine"}}})
     assert {"name": "spool", "persistentVolumeClaim": {"claimName": "mine"}} in dict(pod_specs(own))["Deployment/it-diaphane-pacs"]["volumes"]
     assert not [one for one in own if one["kind"] == "PersistentVolumeClaim" and one["metadata"]["name"] == "it-diaphane-pacs"]
+
+
+def test_backups_read_the_scans_and_only_a_restore_writes_them(plane, tmp_path):
+    jobs = {one["metadata"]["name"]: one["spec"] for one in rendered(plane, tmp_path, CHOICES["backups"]) if one["kind"] == "CronJob"}
+    assert {name: job["suspend"] for name, job in jobs.items()} == {"it-diaphane-backup": False, "it-diaphane-restore": True}
+    for name, job in jobs.items():
+        pod = job["jobTemplate"]["spec"]["template"]["spec"]
+        [container] = pod["containers"] if name.endswith("backup") else pod["initContainers"]
+        mounts = {one["mountPath"]: one.get("readOnly", False) for one in container["volumeMounts"]}
+        assert mounts["/data/volumes"] is mounts["/data/uploads"] is name.endswith("backup") and mounts["/secrets"]
+        assert container["envFrom"] == [{"secretRef": {"name": "s3"}}]
+    kept = rendered(plane, tmp_path, CHOICES["backups"], {"backup": {"repository": "/backups", "claim": "mine"}})
+    pod = next(one for one in kept if one["metadata"]["name"] == "it-diaphane-backup" and one["kind"] == "CronJob")["spec"]["jobTemplate"]["spec"]["template"]["spec"]
+    assert {"name": "repository", "persistentVolumeClaim": {"claimName": "mine"}} in pod["volumes"]
 
 
 def test_promtool_accepts_the_rules_and_their_tests_pass(plane, tmp_path):

@@ -32,7 +32,7 @@ def test_the_image_runs_as_the_user_of_the_chart():
 
 def test_every_mount_point_exists_in_the_image():
     mounted = set()
-    for template in ("api.yaml", "ingest.yaml", "fleet.yaml", "migrate.yaml", "operator.yaml", "studies.yaml", "pacs.yaml"):
+    for template in ("api.yaml", "ingest.yaml", "fleet.yaml", "migrate.yaml", "operator.yaml", "studies.yaml", "pacs.yaml", "backup.yaml"):
         mounted |= set(re.findall(r"mountPath: ([^,}\s]+)", (CHART / "templates" / template).read_text(encoding="utf-8")))
     made = set(re.search(r"mkdir -p ((?:/\S+ )+)", _containerfile())[1].split())
     assert {"/data/volumes", "/run/edge", "/tmp"} <= mounted
@@ -63,6 +63,13 @@ def test_a_compiler_is_known_by_its_name():
     others = ["/usr/bin/cat", "/usr/bin/last", "/usr/bin/ldd", "/usr/sbin/ldconfig", "/usr/bin/make-something", "/usr/share/doc/make",
               "/opt/diaphane/lib/libnvrtc.so.13", "/usr/sbin/nginx", "/usr/bin/perl"]
     assert image_check.compilers(there + others) == sorted(there)
+
+
+def test_backups_need_only_what_the_image_has():
+    assert all(program.exists() and not program.read_bytes().startswith(b"#!") for program in image._BACKUP_PROGRAMS)
+    done = subprocess.run([image.PYTHON, "-S", "-m", "diaphane_backup", "list"], capture_output=True, text=True, cwd="/",
+                          env={"PYTHONPATH": str(REPO / "backup"), "PYTHONDONTWRITEBYTECODE": "1"})
+    assert done.stderr == "diaphane_backup: DIAPHANE_BACKUP_REPOSITORY is not set\n"
 
 
 def test_the_gateway_to_archives_needs_only_what_the_image_has(tmp_path):

@@ -346,7 +346,7 @@ def test_selected_cluster_tests_run_where_the_control_plane_is_built():
     def run(kind, plane):
         return [suite.kind for suite in testing.suites() if testing.is_run(suite, kind, plane)]
 
-    always = ["integration", "e2e"] + ["unit"] * 7 + ["e2e"]
+    always = ["integration", "e2e"] + ["unit"] * 8 + ["e2e"]
     assert run(None, False) == always and run(None, True) == [*always, testing.CHOSEN]
     nightly = [suite.kind for suite in testing.suites(nightly=True) if testing.is_run(suite, None, True, nightly=True)]
     assert nightly == [*always, *testing.NIGHTLY]

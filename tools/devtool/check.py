@@ -20,7 +20,7 @@ _PAGE = ("frontend/", "api/proto/")
 
 
 #: Folders of services in Python, each with a package diaphane_NAME.
-SERVICES = ("pacs", "studies")
+SERVICES = ("backup", "pacs", "studies")
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ class _Commands:
         module, _, function = calls.partition(".")
         made.set_defaults(module=module, function=function, takes_rest=rest)
         if data:
-            made.add_argument("--data", metavar="FOLDER", type=lambda text: Path(text).expanduser().resolve(), default=users.default_data_dir(),
+            made.add_argument("--data", metavar="FOLDER", type=_path, default=users.default_data_dir(),
                               help="data directory (default: %(default)s)")
         return made
 
@@ -88,6 +88,16 @@ def _add_instance(command: _Commands) -> None:
     command("down", "supervise.down", "stop the instance that runs on a data directory", data=True)
     status = command("status", "status.show", "show each program with its port and state, and the rendering engine and device", data=True)
     status.add_argument("--json", dest="as_json", action="store_true", help="print the status as JSON")
+    backup = command("backup", "backup.save", "back up a running instance, encrypted, to a folder, s3:... or sftp:... (see docs/operate.md)", data=True)
+    backup.add_argument("place", metavar="PLACE", help="repository for restic; it is created if there is none")
+    backup.add_argument("--key", type=_path, metavar="FILE", help="key of the repository (default: backup-key in the data directory's secrets, created at the first backup)")
+    backup.add_argument("--list", dest="list_only", action="store_true", help="list the backups instead")
+    backup.add_argument("--check", dest="check_percent", type=int, choices=range(101), metavar="PERCENT",
+                        help="verify the repository instead, and read back this part of its data")
+    restore = command("restore", "backup.restore", "restore a backup into a new data directory", data=True)
+    restore.add_argument("place", metavar="PLACE", help="repository of the backup")
+    restore.add_argument("--key", type=_path, metavar="FILE", required=True, help="key of the repository")
+    restore.add_argument("--backup", dest="snapshot", default="latest", metavar="NAME", help="name of the backup from `./diaphane backup PLACE --list` (default: the newest)")
 
 
 def _add_scans(command: _Commands) -> None:
@@ -154,6 +164,10 @@ def _add_documents(command: _Commands) -> None:
     pictures.add_argument("--size", dest="one_size", choices=("phone", "tablet", "desk"), help="only this size")
     pictures.add_argument("--look", dest="one_look", choices=("light", "dark"), help="only this colour scheme")
     command("guide", "screenshots.guide", "recreate the pictures of docs/guide.md")
+
+
+def _path(text: str) -> Path:
+    return Path(text).expanduser().resolve()
 
 
 def _port(text: str) -> int:

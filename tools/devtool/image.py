@@ -12,6 +12,7 @@ from pathlib import Path
 
 from . import build, commands, install, packages, paths, sbom, study, venv
 from .console import CliError, say, step
+from .plan import POSTGRES_BIN
 
 CHART = paths.REPO / "helm" / "diaphane"
 LIMIT = 800_000_000
@@ -23,6 +24,8 @@ NGINX_MODULES = (Path("/usr/lib/nginx/modules/ndk_http_module.so"), Path("/usr/l
 _LUA_PACKAGES = ("lua-resty-core", "lua-resty-lrucache")
 #: Debian's Python, without pip and the documents, for the analysis of studies.
 PYTHON = Path("/usr/bin/python3.11")
+#: For backups. Debian's /usr/bin/pg_dump is a Perl script.
+_BACKUP_PROGRAMS = (*(POSTGRES_BIN / name for name in ("pg_dump", "pg_restore", "psql")), Path("/usr/bin/restic"))
 _PYTHON_PACKAGES = ("python3.11-minimal", "libpython3.11-minimal", "libpython3.11-stdlib")
 _CERTIFICATES = Path("/usr/share/ca-certificates/mozilla")
 #: Debian packages that the machine which builds the image needs. They contain no services.
@@ -67,8 +70,9 @@ def stage(into: Path) -> None:
     _nvrtc(bin_dir / "diaphane-renderd", home / "lib")
     _studies(home / "studies")
     _pacs(home / "pacs")
+    shutil.copytree(paths.REPO / "backup" / "diaphane_backup", home / "backup" / "diaphane_backup", ignore=shutil.ignore_patterns("__pycache__"))
     python = _package_files(*_PYTHON_PACKAGES)
-    edge = [_NGINX, *NGINX_MODULES]
+    edge = [_NGINX, *NGINX_MODULES, *_BACKUP_PROGRAMS]
     for file in (*edge, *_package_files(*_LUA_PACKAGES, below="/usr/share/lua/"), *python):
         _put(file, into)
     _certificates(into)
@@ -235,6 +239,8 @@ def run(out: Path | None, check: bool, base: str | None, source: bool, only_stag
         raise CliError("building an image requires root (for debootstrap and file ownership)")
     if not source:
         install.ensure("image")
+        if absent := packages.missing(["restic"]):
+            packages.install(absent)
         build.build_page()
         build.build_programs()
     if only_stage is not None:

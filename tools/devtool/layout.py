@@ -25,9 +25,10 @@ class Layout:
     pacs: Path = Path("pacs")                          # the PACS gateway, its libraries if they are installed, and the Python client
     pacs_libraries: Path = Path("pacs-libraries")
     client: Path = Path("src")
+    backup: Path = Path("backup")
 
     def all(self) -> list[Path]:
-        return [self.bin, self.static, self.migrations, self.edge, self.studies, self.study_libraries, self.pacs, self.pacs_libraries, self.client]
+        return [self.bin, self.static, self.migrations, self.edge, self.studies, self.study_libraries, self.pacs, self.pacs_libraries, self.client, self.backup]
 
 
 def of_checkout() -> Layout:
@@ -41,6 +42,7 @@ def of_checkout() -> Layout:
         pacs=paths.REPO / "pacs",
         pacs_libraries=paths.REPO / ".tools" / "pacs-libraries",
         client=paths.REPO / "clients" / "python" / "src",
+        backup=paths.REPO / "backup",
     )
 
 

@@ -67,6 +67,7 @@ def suites(nightly: bool = False) -> list[Suite]:
         Suite("Python client", "unit", lambda reports: _pytest("client", reports), cores=beside),
         Suite("studies", "unit", lambda reports: _pytest("studies", reports), cores=beside),
         Suite("PACS gateway", "unit", lambda reports: _pytest("pacs", reports), cores=beside),
+        Suite("backups", "unit", lambda reports: _pytest("backup", reports), cores=beside),
         # Takes files from the first run as soon as a core is free.
         Suite("end-to-end (second run)", "e2e", lambda reports: _end_to_end("second", reports, *lane), cores=1),
         Suite("Kubernetes (subset)", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),

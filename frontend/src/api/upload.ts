@@ -1,6 +1,6 @@
 import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpStack } from "tus-js-client";
 
-/** The only file that uses tus-js-client (docs/adr/0021). */
+/** The only file that uses tus-js-client. */
 
 export const partBounds = { first: 1 << 20, least: 1 << 18, most: 8 << 20 } as const;
 /** Target duration of a part. A pause or a closed window loses the part in transit. */

@@ -1,0 +1,1 @@
+"""Encrypted backups of an installation with restic: the database and the files of its scans. See docs/operate.md."""
