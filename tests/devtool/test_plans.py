@@ -350,7 +350,7 @@ def test_selected_cluster_tests_run_where_the_control_plane_is_built():
     assert run(None, False) == always and run(None, True) == [*always, testing.CHOSEN]
     nightly = [suite.kind for suite in testing.suites(nightly=True) if testing.is_run(suite, None, True, nightly=True)]
     assert nightly == [*always, *testing.NIGHTLY]
-    assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 7
+    assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 8
 
 
 def test_suites_run_in_parallel_and_are_counted_and_timed(tmp_path):
