@@ -237,16 +237,12 @@ Outcome<void> DataSets::note_view(const std::string& id, const View& view) {
 
 Outcome<void> DataSets::note_export_downloaded(const Principal& who, const std::string& id,
                                                const std::string& format) {
-  const auto now = clock_.wall();
-  const auto done = store_.note_access({AuditActor::kPerson,
-                                        who.user_id,
-                                        "data-set.export-downloaded",
-                                        "data_set",
-                                        id,
-                                        {{"format", format}}},
-                                       now - kSameView, now);
-  if (!done) return refuse(done.error());
-  return {};
+  return note_access({AuditActor::kPerson,
+                      who.user_id,
+                      "data-set.export-downloaded",
+                      "data_set",
+                      id,
+                      {{"format", format}}});
 }
 
 Outcome<ViewPage> DataSets::views(const Principal& who, const std::string& id, ViewQuery query) {
