@@ -64,7 +64,8 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, VolumeStatsCache& stats,
   }
   volume::list_found_labels(*volume);
   VolumeStats of_stored = stats_of(*volume);
-  if (volume::widen_dense_parts(*volume)) of_stored.coarse = coarse_of(*volume);
+  volume::widen_dense_parts(*volume);
+  of_stored.coarse = coarse_of(*volume);
   volume::refine_slices(*volume, refinement, std::thread::hardware_concurrency());
   auto loaded = engine.load(*volume);
   if (loaded) stats.add(*loaded, std::move(of_stored));

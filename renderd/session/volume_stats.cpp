@@ -66,7 +66,7 @@ diaphane::v1::Labels labels_of(const volume::Volume& volume) {
 
 VolumeStats stats_of(const volume::Volume& volume) {
   return {histogram_of(volume),
-          coarse_of(volume),
+          nullptr,
           volume::has_support(volume),
           visible_part(volume),
           shows_contrast_agent(volume),

@@ -23,6 +23,7 @@ struct VolumeStats {
   std::optional<BrainFacts> brain;
   diaphane::v1::Labels labels{};
 };
+/// Returns all but the coarse copy, which is of the voxels and labels that pictures show.
 VolumeStats stats_of(const volume::Volume& volume);
 
 /// The statistics of a device's volumes, each kept as long as its volume is in use. Thread-safe.
