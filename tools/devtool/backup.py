@@ -31,12 +31,12 @@ def save(data: Path, place: str, key: Path | None, list_only: bool, check_percen
     place = _folder(place, run_as)
     package = layout.reachable(run_as, layout.copy_folder()).backup
     if list_only or check_percent is not None:
-        return _run(["list"] if list_only else ["check", "--percent", str(check_percent)], package, data, place, key, "", run_as)
+        return run_package(["list"] if list_only else ["check", "--percent", str(check_percent)], package, data, place, key, "", run_as)
     if supervise.running_supervisor(data) is None:
         raise CliError(f"Diaphane is not running on {data}. Start it first: ./diaphane up --detach")
     settings = Settings(data=data, ports=datadir.read_record(data)["ports"], layout=layout.of_checkout(),
                         postgres_password=datadir.secret(data, "postgres", run_as))
-    return _run(["save"], package, data, place, key, settings.dsn, run_as)
+    return run_package(["save"], package, data, place, key, settings.dsn, run_as)
 
 
 def restore(data: Path, place: str, key: Path, snapshot: str) -> int:
@@ -59,13 +59,13 @@ def restore(data: Path, place: str, key: Path, snapshot: str) -> int:
         copied = data / "secrets" / KEY
         copied.touch(mode=0o600)
         copied.write_text(secret, encoding="ascii")
-        code = _run(["restore", snapshot], programs.backup, data, place, copied, stack.settings.dsn, run_as)
+        code = run_package(["restore", snapshot], programs.backup, data, place, copied, stack.settings.dsn, run_as)
     if code == 0:
         say(f"Start the instance: ./diaphane up --data {data}")
     return code
 
 
-def _run(arguments: list[str], package: Path, data: Path, place: str, key: Path, dsn: str, run_as: RunAs) -> int:
+def run_package(arguments: list[str], package: Path, data: Path, place: str, key: Path, dsn: str, run_as: RunAs) -> int:
     env = {**os.environ, "PYTHONPATH": str(package), "PYTHONDONTWRITEBYTECODE": "1", "HOME": str(data), "DIAPHANE_BACKUP_DATA": str(data),
            "DIAPHANE_BACKUP_REPOSITORY": place, "DIAPHANE_BACKUP_KEY": str(key), "DIAPHANE_POSTGRES": dsn, "DIAPHANE_POSTGRES_BIN": str(POSTGRES_BIN)}
     return subprocess.run(["/usr/bin/python3", "-m", "diaphane_backup", *arguments], cwd="/", env=env, **run_as.popen()).returncode
