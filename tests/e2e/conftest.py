@@ -40,7 +40,7 @@ PICTURES = os.environ.get("DIAPHANE_PICTURES")
 @pytest.fixture(scope="session")
 def browser():
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
+        browser = playwright.chromium.launch(executable_path=chromium.for_tests(), args=chromium.ARGS)
         yield browser
         browser.close()
 

@@ -67,7 +67,7 @@ def test_no_identifying_text_of_a_scan_leaves_the_browser(stack: TestStack, brow
     assert len(search.below(folder)) > 24
     with SlowNetwork(stack.ports["edge"], socks=True, record=True) as network:
         way = [f"--proxy-server=socks5://127.0.0.1:{network.port}", "--proxy-bypass-list=<-loopback>"]
-        recorded = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, *way])
+        recorded = browser.browser_type.launch(executable_path=chromium.for_tests(), args=[*chromium.ARGS, *way])
         page = recorded.new_context(viewport={"width": 480, "height": 320}).new_page()
         page.set_default_timeout(PATIENCE_MS)
         person = Person.signs_up_and_in(stack, page, "anna")

@@ -77,7 +77,7 @@ def test_the_page_works_in_an_insecure_context(all_stacks: StackFactory, browser
     monkeypatch.setattr(plan.Settings, "host", property(lambda _: "clinic.test"))
     stack = all_stacks.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
     way = f"--host-resolver-rules=MAP clinic.test:80 127.0.0.1:{stack.ports['edge']}"
-    near = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, way])
+    near = browser.browser_type.launch(executable_path=chromium.for_tests(), args=[*chromium.ARGS, way])
     page = near.new_context(viewport={"width": 320, "height": 240}).new_page()
     page.set_default_timeout(PATIENCE_MS)
     assert stack.url == "http://clinic.test"

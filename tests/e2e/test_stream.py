@@ -168,7 +168,7 @@ def test_on_a_slow_network_the_picture_follows_input_and_ends_lossless(quick: Te
     with SlowNetwork(quick.ports["edge"], round_trip_s=0.1, bits_per_s=2e6, socks=True) as network:
         # The page sees the public address. Only this browser takes another route.
         way = [f"--proxy-server=socks5://127.0.0.1:{network.port}", "--proxy-bypass-list=<-loopback>"]
-        far = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, *way])
+        far = browser.browser_type.launch(executable_path=chromium.for_tests(), args=[*chromium.ARGS, *way])
         context = far.new_context(viewport={"width": 480, "height": 320})
         context.set_default_timeout(PATIENCE_MS)
         context.add_cookies(cookies)

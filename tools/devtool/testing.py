@@ -20,7 +20,7 @@ from datetime import date
 from pathlib import Path
 from typing import Callable, Iterator
 
-from . import build, clamav, commands, fuzz, gpu, install, kubernetes, mutants, paths, races, whole_node
+from . import build, chromium, clamav, commands, fuzz, gpu, install, kubernetes, mutants, paths, races, whole_node
 from .console import CliError, say, step, warn
 
 
@@ -368,8 +368,9 @@ def _cluster(reports: Path) -> Count:
 
 
 def _end_to_end(which: str, reports: Path, *lane: str) -> Count:
-    """Runs the files that the other run has not claimed."""
-    return _pytest("e2e", reports, *lane, "--claims", reports / "claims", "--shared", reports / SHARED, report=f"e2e-{which}")
+    """Runs the files that the other run has not claimed. The nightly lane has no `lane`, and uses the whole browser."""
+    browser = {} if lane else {"DIAPHANE_CHROMIUM": chromium.WHOLE}
+    return _pytest("e2e", reports, *lane, "--claims", reports / "claims", "--shared", reports / SHARED, report=f"e2e-{which}", **browser)
 
 
 def _pytest(folder: str, reports: Path, *selection: object, only: tuple[str, ...] = (), within: tuple[str, ...] = (), workers: int = 1,
