@@ -115,6 +115,7 @@ void add_routes(RequestRouter& router, Services& services, const Clock& clock) {
   router.add(report_routes(shared.reports));
   router.add(study_routes(study.studies, study.participations, clock));
   router.add(participant_routes(study.participations));
+  router.add(tour_routes(study.studies, shared.visits));
   router.add(archive_routes(archive.archives, account.accounts));
 }
 

@@ -123,7 +123,7 @@ StudyServices::StudyServices(const Backends& on, DataSets& data_sets, RenderTime
       exports(store, ZipWriter::create, on.settings.cache_dir),
       studies(store, data_sets, on.placed, analysis, exports, check_picture, on.clock),
       participations({store, participant_store, data_sets, on.stores.accounts, render_time,
-                      on.placed, on.clock},
+                      on.placed, on.clock, on.settings.factor_key.value()},
                      {}, scene_bytes) {}
 
 ArchiveServices::ArchiveServices(const Backends& on)

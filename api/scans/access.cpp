@@ -29,8 +29,8 @@ constexpr unsigned kTakePart =
     kSee | all_of({Action::kInvite, Action::kSavePreset, Action::kVote, Action::kReport});
 /// Actions that an owner may perform in any state.
 constexpr unsigned kKeep =
-    kSee | all_of({Action::kSavePreset, Action::kDescribe, Action::kReadViews, Action::kAnonymise,
-                   Action::kExport, Action::kDelete});
+    kSee | all_of({Action::kSavePreset, Action::kDescribe, Action::kSetTour, Action::kReadViews,
+                   Action::kAnonymise, Action::kExport, Action::kDelete});
 constexpr unsigned kJudge = kSee | bit(Action::kTakeDown);
 
 unsigned allowed_when_private(Role role) {
@@ -68,8 +68,8 @@ unsigned allowed_of_a_sample(Role role) {
       return kSee;
     case Role::kOwner:
       return kKeep;
-    case Role::kAdministrator:
-      return kJudge;
+    case Role::kAdministrator:  // a sample belongs to nobody
+      return kJudge | bit(Action::kSetTour);
     default:
       return kTakePart;
   }

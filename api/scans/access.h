@@ -30,6 +30,7 @@ enum class Action {
   kVote,        ///< vote for presets
   kReport,      ///< report abuse
   kDescribe,    ///< set metadata, labels and default preset; share marks; delete any preset
+  kSetTour,     ///< choose the views of "Show me around"
   kShare,       ///< list and change people and links
   kReadViews,   ///< see who viewed it
   kPublish,     ///< add it to the gallery or remove it
@@ -39,9 +40,9 @@ enum class Action {
   kTakeDown,    ///< take down and restore it; delete any preset; read reports
 };
 inline constexpr std::array kActions{
-    Action::kFind,      Action::kLook,     Action::kInvite, Action::kSavePreset, Action::kVote,
-    Action::kReport,    Action::kDescribe, Action::kShare,  Action::kReadViews,  Action::kPublish,
-    Action::kAnonymise, Action::kExport,   Action::kDelete, Action::kTakeDown};
+    Action::kFind,    Action::kLook,      Action::kInvite,  Action::kSavePreset, Action::kVote,
+    Action::kReport,  Action::kDescribe,  Action::kSetTour, Action::kShare,      Action::kReadViews,
+    Action::kPublish, Action::kAnonymise, Action::kExport,  Action::kDelete,     Action::kTakeDown};
 
 enum class Exposure {
   kPrivate,

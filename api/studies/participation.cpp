@@ -87,7 +87,7 @@ Outcome<ParticipantStore::Invitation> Participations::invitation(const std::stri
 }
 
 std::string Participations::secret_hash(const std::string& text) const {
-  return blake2b("study\n" + secret_ + "\n" + text);
+  return blake2b(parts_.key.mac("study\n" + text));
 }
 
 Outcome<void> Participations::check_address(const std::string& key, const Client& client) {

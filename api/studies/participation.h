@@ -7,6 +7,7 @@
 
 #include "api/accounts/account_store.h"
 #include "api/sessions/render_time.h"
+#include "api/shared/secrets.h"
 #include "api/studies/studies.h"
 #include "common/ids.h"
 
@@ -30,6 +31,9 @@ class Participations {
     RenderTime& render_time;
     Placement& placement;
     const Clock& clock;
+    /// Shared by all processes of the API, so that they count joins together. Not in the database,
+    /// so that nobody can find from it the addresses whose hashes are stored.
+    const SealingKey& key;
   };
   struct Joined {
     Participation participation;
@@ -83,8 +87,6 @@ class Participations {
   Parts parts_;
   Options options_;
   std::function<std::string(const std::string&)> scene_bytes_;
-  /// Known only to this process, so that nobody can find the addresses whose hashes are stored.
-  const std::string secret_ = random_hex(32);
 };
 
 }  // namespace diaphane::api

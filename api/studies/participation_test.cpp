@@ -42,9 +42,15 @@ class ParticipationTest : public DataSetFixture {
   FakeRenderTimeStore render_time_store;
   FakeSpentRenderTime spent;
   RenderTime render_time{render_time_store, spent, placement, clock};
-  Participations participations{{store, store, data_sets, accounts, render_time, placement, clock},
-                                {.joins_by_address = 2},
-                                [](const std::string& scene) { return "bytes of " + scene; }};
+  const SealingKey secret = *SealingKey::of_hex(std::string(64, '7'));
+  Participations participations = process(secret);
+
+  /// Returns the service as another process of the API has it.
+  Participations process(const SealingKey& with) {
+    return {{store, store, data_sets, accounts, render_time, placement, clock, with},
+            {.joins_by_address = 2},
+            [](const std::string& scene) { return "bytes of " + scene; }};
+  }
 };
 
 TEST_F(ParticipationTest, StoresOnlyAHashOfTheKey) {
@@ -60,6 +66,18 @@ TEST_F(ParticipationTest, LimitsNewParticipantsPerAddressButNotReturningOnes) {
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(join(key)) << "a reload is not a new participant";
   ASSERT_TRUE(join(other));
   EXPECT_EQ(refusal(join(std::string(64, 'd'))), ProblemKind::kTooManyAttempts);
+}
+
+TEST_F(ParticipationTest, CountsTheParticipantsOfAnAddressInAllProcessesTogether) {
+  store.study.content.places = 10;
+  const SealingKey same = *SealingKey::of_hex(std::string(64, '7'));
+  Participations second = process(same);
+  ASSERT_TRUE(join(key));
+  ASSERT_TRUE(second.join(token, other, "en", false, {"192.0.2.1", ""}));
+  EXPECT_EQ(refusal(join(std::string(64, 'd'))), ProblemKind::kTooManyAttempts);
+  EXPECT_EQ(refusal(second.join(token, std::string(64, 'e'), "en", false, {"192.0.2.1", ""})),
+            ProblemKind::kTooManyAttempts);
+  EXPECT_TRUE(second.join(token, std::string(64, 'f'), "en", false, {"192.0.2.2", ""}));
 }
 
 TEST_F(ParticipationTest, RefusesWhenFullOrClosed) {

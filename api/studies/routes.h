@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "api/routing/request_router.h"
+#include "api/sharing/sharing.h"
 #include "api/studies/participation.h"
 #include "api/studies/studies.h"
 
@@ -21,5 +22,8 @@ std::vector<Route> study_routes(Studies& studies, Participations& participations
 Response joined_response(const Participations::Joined& joined);
 
 std::vector<Route> participant_routes(Participations& participations);
+
+/// The tours of scans, which studies find.
+std::vector<Route> tour_routes(Studies& studies, Visits& visits);
 
 }  // namespace diaphane::api

@@ -15,6 +15,9 @@ namespace {
 
 using nlohmann::json;
 
+/// Farther than this, no camera shows anything of a scan.
+constexpr double kMostMillimetres = 100'000;
+
 tl::unexpected<Problem> study_problem(const Error& error) {
   if (error.code == ErrorCode::kNotFound) {
     return refuse(ProblemKind::kNotFound, "Study not found.");
@@ -44,6 +47,35 @@ bool is_difference(const json& value) {
   return value.is_array() && value.size() == 3 && std::ranges::all_of(value, [](const json& one) {
            return one.is_number() && std::abs(one.get<double>()) <= 255;
          });
+}
+
+/// Whether this is a place or a direction in millimetres, within what the renderer accepts.
+bool is_vector(const json& value) {
+  return value.is_array() && value.size() == 3 && std::ranges::all_of(value, [](const json& one) {
+           return one.is_number() && std::abs(one.get<double>()) <= kMostMillimetres;
+         });
+}
+
+bool is_view(const json& view) {
+  const json eye = member(view, "eye"), target = member(view, "target"), up = member(view, "up");
+  const json none{0, 0, 0};
+  return is_vector(eye) && is_vector(target) && is_vector(up) && eye != target && up != none;
+}
+
+/// Returns the views of the tour that an analysis gives for a step and a data set. Empty if there
+/// are none, or they can't be used.
+json views_of_tour(const json& analysis, const std::string& step, const std::string& data_set_id) {
+  for (const json& one : member(member(analysis, "adoptable"), "tours")) {
+    if (member(one, "step") != step || member(one, "data_set_id") != data_set_id) continue;
+    const json views = member(one, "views");
+    if (!views.is_array() || !std::ranges::all_of(views, is_view)) break;
+    json plain = json::array();
+    for (const json& view : views) {
+      plain.push_back({{"eye", view["eye"]}, {"target", view["target"]}, {"up", view["up"]}});
+    }
+    return plain;
+  }
+  return json::array();
 }
 
 /// Calls a function when it goes out of scope, also because of an exception.
@@ -315,6 +347,51 @@ Outcome<std::string> Studies::comfort() {
   auto found = store_.comfort();
   if (!found) return refuse(found.error());
   return *std::move(found);
+}
+
+Outcome<void> Studies::adopt_tour(const Principal& who, const std::string& data_set_id,
+                                  const std::string& study_id, const std::string& step) {
+  const auto data_set = data_sets_.authorise(who, data_set_id, Action::kSetTour);
+  DIAPHANE_TRY(data_set);
+  const auto study = find(who, study_id);
+  DIAPHANE_TRY(study);
+  if (data_set->anonymised_at && study->opened_at && *data_set->anonymised_at > *study->opened_at) {
+    return refuse(ProblemKind::kConflict,
+                  "The scan was cut after the study opened, so that its views may not fit.");
+  }
+  const auto results = run_analysis(*study, "en");
+  DIAPHANE_TRY(results);
+  const json views = views_of_tour(json::parse(*results, nullptr, false), step, data_set_id);
+  if (views.size() < 2 || views.size() > kMostTourViews) {
+    return refuse(ProblemKind::kConflict, "The results of this study are not clear enough to use.");
+  }
+  const json tour{{"views", views},
+                  {"participants", study->joined},
+                  {"title", json::parse(study->content.title)}};
+  const auto done = store_.set_tour(who.user_id, data_set_id, tour.dump(), clock_.wall());
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<void> Studies::remove_tour(const Principal& who, const std::string& data_set_id) {
+  DIAPHANE_TRY(data_sets_.authorise(who, data_set_id, Action::kSetTour));
+  const auto done = store_.set_tour(who.user_id, data_set_id, "", clock_.wall());
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<Studies::Tour> Studies::tour(const Principal& who, const std::string& data_set_id) {
+  DIAPHANE_TRY(data_sets_.authorise(who, data_set_id, Action::kLook));
+  auto found = tour_of(data_set_id);
+  DIAPHANE_TRY(found);
+  found->removable = data_sets_.authorise(who, data_set_id, Action::kSetTour).has_value();
+  return found;
+}
+
+Outcome<Studies::Tour> Studies::tour_of(const std::string& data_set_id) {
+  auto found = store_.tour(data_set_id);
+  if (!found) return refuse(found.error());
+  return Tour{*std::move(found)};
 }
 
 void Studies::expire() {

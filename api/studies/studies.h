@@ -41,6 +41,7 @@ class Studies {
  public:
   static constexpr int kMostStudies = 100;  ///< per researcher
   static constexpr int kMostAnalyses = 2;   ///< at the same time
+  static constexpr std::size_t kMostTourViews = 64;
   static constexpr std::chrono::hours kPreviewLife{24};
 
   struct Page {
@@ -51,6 +52,11 @@ class Studies {
   struct File {
     std::string name;  ///< relative to the cache directory
     std::string content_type;
+  };
+
+  struct Tour {
+    std::string document;    ///< JSON, or empty if the scan has no tour of a study
+    bool removable = false;  ///< by the requesting user
   };
 
   Studies(StudyStore& store, DataSets& data_sets, Placement& placement, StudyAnalysis& analysis,
@@ -90,6 +96,15 @@ class Studies {
   Outcome<void> reset_comfort(const Principal& administrator);
   /// Returns JSON, or an empty string if nothing was adopted.
   Outcome<std::string> comfort();
+
+  /// Uses the canonical views of a study's step for the tour of its scan. Returns kConflict if the
+  /// analysis claims fewer than two views, or the scan was cut since the study opened.
+  Outcome<void> adopt_tour(const Principal& who, const std::string& data_set_id,
+                           const std::string& study_id, const std::string& step);
+  Outcome<void> remove_tour(const Principal& who, const std::string& data_set_id);
+  Outcome<Tour> tour(const Principal& who, const std::string& data_set_id);
+  /// Returns the tour for a visitor with a link. The caller checks the link.
+  Outcome<Tour> tour_of(const std::string& data_set_id);
 
   /// Closes studies that have ended, and removes old sessions, previews and files.
   void expire();

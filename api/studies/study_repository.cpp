@@ -325,6 +325,40 @@ Result<void> StudyRepository::set_comfort(const std::string& administrator_id,
   });
 }
 
+Result<std::string> StudyRepository::tour(const std::string& data_set_id) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::string> {
+    const auto rows = transaction.exec_params(
+        "SELECT tour FROM data_set_tours WHERE data_set_id = $1::uuid", data_set_id);
+    return rows.empty() ? std::string() : rows[0][0].as<std::string>();
+  });
+}
+
+Result<void> StudyRepository::set_tour(const std::string& user_id, const std::string& data_set_id,
+                                       const std::string& tour, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    if (tour.empty()) {
+      transaction.exec_params0("DELETE FROM data_set_tours WHERE data_set_id = $1::uuid",
+                               data_set_id);
+    } else {
+      transaction.exec_params0(
+          R"sql(
+          INSERT INTO data_set_tours (data_set_id, tour)
+          SELECT id, $2 FROM data_sets WHERE id = $1::uuid
+          ON CONFLICT (data_set_id) DO UPDATE SET tour = excluded.tour)sql",
+          data_set_id, tour);
+    }
+    note_in_audit_log(transaction,
+                      {AuditActor::kPerson,
+                       user_id,
+                       tour.empty() ? "data-set.tour-removed" : "data-set.tour-adopted",
+                       "data_set",
+                       data_set_id,
+                       {}},
+                      now);
+    return {};
+  });
+}
+
 Result<StudyStore::SessionIds> StudyRepository::expire(Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<SessionIds> {
     for (const pqxx::row& row : transaction.exec_params(

@@ -34,6 +34,9 @@ class StudyRepository final : public StudyStore {
   Result<std::string> comfort() override;
   Result<void> set_comfort(const std::string& administrator_id, const std::string& study_id,
                            const std::string& comfort, Time now) override;
+  Result<std::string> tour(const std::string& data_set_id) override;
+  Result<void> set_tour(const std::string& user_id, const std::string& data_set_id,
+                        const std::string& tour, Time now) override;
   Result<SessionIds> expire(Time now) override;
   Result<void> forget_session(const std::string& session_id) override;
 

@@ -68,6 +68,12 @@ class StudyStore {
   virtual Result<void> set_comfort(const std::string& administrator_id, const std::string& study_id,
                                    const std::string& comfort, Time now) = 0;
 
+  /// Returns the tour of a data set as JSON, or an empty string if it has none.
+  virtual Result<std::string> tour(const std::string& data_set_id) = 0;
+  /// Sets the tour of a data set, or removes it if `tour` is empty.
+  virtual Result<void> set_tour(const std::string& user_id, const std::string& data_set_id,
+                                const std::string& tour, Time now) = 0;
+
   /// Closes the studies that have ended, and deletes old previews. Returns the sessions to end,
   /// which include those of participants who are gone.
   virtual Result<SessionIds> expire(Time now) = 0;

@@ -2,6 +2,8 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <nlohmann/json.hpp>
+
 #include "api/proto/scene.pb.h"
 
 namespace diaphane::ingest {
@@ -63,6 +65,23 @@ Result<std::string> moved_scene(const std::string& text, const volume::Vector& s
     return fail(ErrorCode::kInternal, "cannot serialise the scene");
   }
   return moved;
+}
+
+Result<std::string> moved_tour(const std::string& text, const volume::Vector& shift) {
+  try {
+    auto tour = nlohmann::ordered_json::parse(text);
+    for (auto& view : tour.at("views")) {
+      for (const char* place : {"eye", "target"}) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          auto& value = view.at(place).at(axis);
+          value = value.get<double>() - shift[axis];
+        }
+      }
+    }
+    return tour.dump();
+  } catch (const nlohmann::json::exception&) {
+    return fail(ErrorCode::kInvalid, "this is not a valid tour");
+  }
 }
 
 }  // namespace diaphane::ingest

@@ -12,4 +12,8 @@ namespace diaphane::ingest {
 /// stays. Returns kInvalid if the text is not a scene.
 Result<std::string> moved_scene(const std::string& scene, const volume::Vector& shift);
 
+/// Returns the tour of a scan (JSON) after the same move. Returns kInvalid if the text is not a
+/// tour.
+Result<std::string> moved_tour(const std::string& tour, const volume::Vector& shift);
+
 }  // namespace diaphane::ingest

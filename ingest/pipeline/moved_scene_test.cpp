@@ -47,6 +47,26 @@ TEST(MovedScene, MovesWorldPositionsAndKeepsTheLook) {
   EXPECT_EQ(json::parse(*back)["clip"], old["clip"]);
 }
 
+TEST(MovedTour, MovesPlacesAndNoDirections) {
+  const std::string before =
+      R"({"views":[{"eye":[1,-520,5],"target":[0,2,3],"up":[0,0,1]},{"eye":[9,8,7],"target":[6,5,4],"up":[1,0,0]}],)"
+      R"("participants":3,"title":{"en":"Views"}})";
+  const auto moved = moved_tour(before, {1, -20, 300});
+  ASSERT_TRUE(moved.has_value());
+  const json expected{{"views",
+                       {{{"eye", {0, -500, -295}}, {"target", {-1, 22, -297}}, {"up", {0, 0, 1}}},
+                        {{"eye", {8, 28, -293}}, {"target", {5, 25, -296}}, {"up", {1, 0, 0}}}}},
+                      {"participants", 3},
+                      {"title", {{"en", "Views"}}}};
+  EXPECT_EQ(json::parse(*moved), expected);
+}
+
+TEST(MovedTour, RefusesInvalidTour) {
+  for (const char* wrong : {"", "{}", R"({"views":[{"eye":[1,2]}]})", R"({"views":[{"eye":1}]})"}) {
+    EXPECT_FALSE(moved_tour(wrong, {}));
+  }
+}
+
 TEST(MovedScene, RefusesInvalidScene) {
   EXPECT_FALSE(moved_scene("{\"nothing\": 1}", {}));
   EXPECT_FALSE(moved_scene("", {}));

@@ -38,6 +38,17 @@ void move_presets(pqxx::work& transaction, const std::string& data_set,
   }
 }
 
+/// Moves the tour likewise, or deletes it if it cannot be moved.
+void move_tour(pqxx::work& transaction, const std::string& data_set, const volume::Vector& shift) {
+  const auto found = transaction.exec_params(
+      "DELETE FROM data_set_tours WHERE data_set_id = $1 RETURNING tour", data_set);
+  if (found.empty()) return;
+  const auto moved = moved_tour(found[0]["tour"].as<std::string>(), shift);
+  if (!moved) return;
+  transaction.exec_params("INSERT INTO data_set_tours (data_set_id, tour) VALUES ($1, $2)",
+                          data_set, *moved);
+}
+
 /// Formats an array of texts for Postgres.
 std::string array_of(const std::vector<std::string>& texts) {
   std::string array = "{";
@@ -355,9 +366,10 @@ Result<Hold> PostgresJobs::finish_cut(const Job& job, const volume::Header& head
       throw std::logic_error("an anonymisation was finished without a recorded order");
     const pqxx::row row = order[0];
     transaction.exec_params("DELETE FROM annotations WHERE data_set_id = $1", job.data_set_id);
-    move_presets(
-        transaction, job.data_set_id,
-        {row["shift_x"].as<double>(), row["shift_y"].as<double>(), row["shift_z"].as<double>()});
+    const volume::Vector shift{row["shift_x"].as<double>(), row["shift_y"].as<double>(),
+                               row["shift_z"].as<double>()};
+    move_presets(transaction, job.data_set_id, shift);
+    move_tour(transaction, job.data_set_id, shift);
     transaction.exec_params(
         R"sql(
         INSERT INTO audit_log (happened_at, actor, actor_id, action, subject, subject_id, details)

@@ -63,10 +63,72 @@ def figure_20(materials: list[Material], t: Texts, names: list[str]) -> Figure:
     return _bars([t("reference"), t("comfortable")], names, lambda row, column: materials[column].colour(row), 2.2 + 2.1 * len(materials))
 
 
+#: The five settings of comfort, as multiples of the weighted difference.
+SETTINGS = (-2, -1, 0, 1, 2)
+
+
+def lit_forms(count: int, rows: int = 270, columns: int = 180) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Returns a picture of one form per material: a bone, and vessels that wind around it. The first array is the number of the
+    form at each pixel, or -1, the second is how brightly it is lit, and the third its highlight.
+    """
+    y, x = np.mgrid[-1.35:1.35:rows * 1j, -0.9:0.9:columns * 1j]
+    height, owner, normals = np.full(x.shape, -np.inf), np.full(x.shape, -1), np.zeros((*x.shape, 3))
+    for number in range(count):
+        along = np.linspace(-1.2, 1.2, 240)
+        turn = 4 * along + 2 * np.pi * number / max(count - 1, 1)
+        if number == 0:
+            centres, radii = np.column_stack([0 * along, 0.85 * along, 0 * along]), 0.2 + 0.14 * np.abs(along / 1.2) ** 6
+        else:
+            centres, radii = np.column_stack([0.5 * np.sin(turn), along, 0.5 * np.cos(turn)]), np.full(len(along), 0.11)
+        for (cx, cy, cz), radius in zip(centres, radii, strict=True):
+            rest = radius ** 2 - (x - cx) ** 2 - (y - cy) ** 2
+            depth = np.sqrt(np.maximum(rest, 0))
+            nearer = (rest > 0) & (cz + depth > height)
+            height[nearer], owner[nearer] = (cz + depth)[nearer], number
+            normals[nearer] = (np.stack([x - cx, y - cy, depth], axis=-1) / radius)[nearer]
+    light = viewpoints.unit(np.array([-0.5, -0.6, 0.8]))
+    halfway = viewpoints.unit(light + np.array([0.0, 0.0, 1.0]))
+    return owner, 0.2 + 0.8 * np.maximum(normals @ light, 0), 0.3 * np.maximum(normals @ halfway, 0) ** 40
+
+
+def _linear(srgb: np.ndarray) -> np.ndarray:
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def _srgb(linear: np.ndarray) -> np.ndarray:
+    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def picture_of(colours: list[np.ndarray], forms: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
+    """Returns the forms in these colours (of 255), as values of sRGB from 0 to 1 on white."""
+    owner, brightness, gloss = forms
+    lit = _linear(np.array([*colours, np.full(3, 255.0)]) / 255)[owner] * brightness[..., None] + gloss[..., None]
+    return np.where((owner >= 0)[..., None], _srgb(np.clip(lit, 0, 1)), 1.0)
+
+
 def figure_21(materials: list[Material], t: Texts, names: list[str]) -> Figure:
-    figure = _bars(names, [f"{value:+d}".replace("-", "−") if value else "0" for value in range(-2, 3)], lambda row, column: materials[row].colour(column - 2), 8.2)
-    figure.axes[0].set_xlabel(t("scale"))
-    figure.axes[0].xaxis.set_label_position("bottom")
+    """Draws one picture per setting, from the most uncomfortable on the left to the most comfortable on the right, with the
+    colours of its materials below.
+    """
+    figure = _figure(8.2, 3.4 + 0.55 * len(materials))
+    pictures, bars = figure.subplots(2, len(SETTINGS), height_ratios=(2.9, 0.55 * len(materials)))
+    forms = lit_forms(len(materials))
+    ends = {SETTINGS[0]: t("least_comfortable"), SETTINGS[-1]: t("most_comfortable"), 0: t("reference")}
+    for picture, below, times in zip(pictures, bars, SETTINGS, strict=True):
+        colours = [one.colour(times) for one in materials]
+        picture.imshow(picture_of(colours, forms), interpolation="bilinear")
+        picture.set_title(f"{times:+d}".replace("-", "−") if times else "0", fontsize=11)
+        picture.set_xlabel(ends.get(times, ""), fontsize=8.5)
+        for row, colour in enumerate(colours):
+            below.add_patch(Rectangle((0, row + 0.04), 1, 0.52, facecolor=_hex(colour), edgecolor="#8796a3", linewidth=0.6))
+            below.text(0.5, row + 0.78, _hex(colour), ha="center", va="center", fontsize=8, family="DejaVu Sans Mono")
+        below.set(xlim=(0, 1), ylim=(len(materials), 0))
+        for axes in (picture, below):
+            axes.set(xticks=[], yticks=[])
+            axes.spines[:].set_visible(False)
+    bars[0].set_yticks(np.arange(len(materials)) + 0.3, names)
+    bars[0].tick_params(length=0)
+    figure.supxlabel(t("scale"), fontsize=10)
     return figure
 
 

@@ -49,12 +49,12 @@ def test_the_end_of_the_render_time_is_announced(stack: TestStack, visit, craniu
     expect(page.locator("canvas")).to_be_focused()
     leave(stack, person, MINUTE_MS * 9 // 10)
     page.reload()
-    expect(page.get_by_text("You have less than a minute of rendering time left this month.")).to_be_visible()
+    expect(page.get_by_role("status").get_by_text("You have less than a minute of rendering time left this month.")).to_be_visible()
     wait_for_samples(stack, page, 1)
 
     # Everything is used, and the open picture has its grace period.
     leave(stack, person, 0)
-    ending = page.get_by_text("You have used up your rendering time for this month. This picture stays open until")
+    ending = page.get_by_role("status").get_by_text("You have used up your rendering time for this month. This picture stays open until")
     turn_until(stack, page, lambda: ending.count() > 0)
     page.screenshot(path=pictures / "time-ending.png")
     wait_for_samples(stack, page, 1)

@@ -95,7 +95,7 @@ def test_a_scan_is_uploaded_anonymised_published_and_deleted(stack: TestStack, v
     dialog.get_by_label("Current password").fill(PASSWORD)
     dialog.get_by_role("button", name="Delete account").click()
     expect(page.get_by_text("Your account and all its data have been deleted.")).to_be_visible()
-    expect(bert.page.get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
+    expect(bert.page.get_by_role("status").get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
     stack.wait_until(lambda: not (stack.data_dir / "volumes" / data_set).exists(), what="the volume's end")
     stack.wait_until(lambda: not (stack.data_dir / "cache" / "thumbnails" / data_set).exists(), what="the pictures' end")
     for table, column in (("data_sets", "id"), ("presets", "data_set_id"), ("ingest_jobs", "data_set_id"), ("disposals", "id")):

@@ -3,16 +3,11 @@ German and on a desktop in English."""
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import re
-import secrets
-import zipfile
 from pathlib import Path
 
-import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
@@ -392,83 +387,6 @@ def test_an_administrator_grants_and_withdraws_the_role(stack: TestStack, visit)
         page.get_by_label("Part of an email address").fill(person.email)
         page.get_by_role("button", name="Search", exact=True).click()
         expect(page.get_by_role("link", name="Studies")).to_have_count(shown)
-
-
-#: The colours of the published study, and what participants changed on average, of 255. No two of them changed the same.
-BEFORE = {"bone": "#e8ba94", "muscle": "#fb0404"}
-CHANGES = {"bone": (-24, 25, 37), "muscle": (-36, 40, 49)}
-PARTICIPANTS = 16
-
-
-def answers_come(stack: TestStack, link: str, definition: dict) -> None:
-    """Lets participants take part without a page: each rates the picture, changes all colours and writes nothing."""
-    with httpx.Client(base_url=stack.url, timeout=30) as http:
-        for number in range(PARTICIPANTS):
-            def send(what: str, key: str = secrets.token_hex(32), **body) -> None:  # noqa: B008
-                answer = http.post(f"/v1/study/{what}", json={"key": key, **body})
-                assert answer.status_code < 300, answer.text
-            send("participants", token=link.split("#")[1], language=("en", "de")[number % 2], record=False)
-            for sequence, step in enumerate(definition["steps"], 1):
-                value: dict = {"words": ""} if step["kind"] == "words" else {}
-                if step["kind"] == "rating":
-                    value = {"rating": number % 9}
-                if step["kind"] == "colours":
-                    value = {"colours": [changed(one["channel"], number) for one in step["materials"]]}
-                if step["kind"] != "consent":
-                    send("answers", step=step["id"], value=value, duration_ms=1500, sequence=sequence)
-            send("finish")
-
-
-def changed(channel: str, number: int) -> dict:
-    """Returns the colours of a material before and after its change by a participant."""
-    before = bytes.fromhex(BEFORE[channel][1:])
-    own = (7 * number % 11 - 5, 5 * number % 13 - 6, 3 * number % 7 - 3)
-    after = bytes(sum(one) for one in zip(before, CHANGES[channel], own, strict=True))
-    return {"channel": channel, "from": BEFORE[channel], "to": f"#{after.hex()}"}
-
-
-def test_a_study_is_analysed_adopted_and_exported(stack: TestStack, visit, cranium: Path, pictures: Path):
-    page = visit(wide=True, reduced_motion="reduce")
-    person = Person.arrives(stack, page, "researcher")
-    person.has_scan(cranium, "Head")
-    stack.psql("UPDATE users SET is_researcher = true WHERE email = %s", person.email)
-    study = composed(page, stack.url, pictures, "muscle", "muscle").rsplit("/", 1)[1]
-    page.get_by_role("button", name="Open study").click()
-    page.get_by_role("button", name="Create link").click()
-    link = page.get_by_label("Link for participants").input_value()
-    answers_come(stack, link, page.evaluate(EXPORT, f"/v1/studies/{study}/export?format=json")["study"]["definition"])
-
-    page.reload()
-    analyse(page)
-    expect(page.get_by_role("table", name=re.compile("^Table 1"))).to_contain_text("Bone")
-    figures = page.locator("figure img")
-    stack.wait_until(lambda: figures.evaluate_all("(all) => all.length > 0 && all.every((one) => one.complete && one.naturalWidth > 0)"),
-                     what="the figures")
-    page.screenshot(path=pictures / "study-analysis.png", full_page=True)
-    assert faults(page) + zoomed_faults(page) == []
-    adopt = page.get_by_role("button", name="Use these colours for “Softer colours”")
-    expect(adopt).to_have_count(0)    # only for administrators
-    with page.expect_download() as download:
-        page.get_by_role("link", name="Export as CSV").click()
-    with zipfile.ZipFile(download.value.path()) as files:
-        rows = list(csv.DictReader(io.StringIO(files.read("answers.csv").decode("utf-8-sig"))))
-    assert {int(row["participant"]) for row in rows} == set(range(1, PARTICIPANTS + 1)), rows[0]
-
-    person.becomes_administrator()
-    page.reload()
-    analyse(page)
-    before = page.evaluate(EXPORT, "/v1/perception")
-    adopt.click()
-    expect(page.get_by_text("“Softer colours” now uses the colours of this study.")).to_be_visible()
-    adopted = page.evaluate(EXPORT, "/v1/perception")
-    assert adopted != before
-    page.get_by_role("button", name="Use the published colours again").click()
-    stack.wait_until(lambda: page.evaluate(EXPORT, "/v1/perception") == before, what="the published colours")
-
-
-def analyse(page: Page) -> None:
-    page.get_by_role("button", name="Analyse").click()
-    expect(page.get_by_role("heading", name="Comfort", exact=True)).to_be_visible(timeout=120_000)
 
 
 def blueness(page: Page) -> float:

@@ -119,7 +119,7 @@ def test_a_picture_is_rendered_for_saving_during_a_live_session(stack: TestStack
     expect(line).to_be_visible()
     wait_for_sessions(stack, page, 2)
     line.get_by_role("button", name="Cancel").click()
-    expect(page.get_by_text("No picture was saved.")).to_be_visible()
+    expect(page.get_by_role("status").get_by_text("No picture was saved.")).to_be_visible()
     wait_for_sessions(stack, page, 1)
 
 
@@ -169,4 +169,4 @@ def test_a_link_shows_the_same_view_only_to_users_with_access(stack: TestStack, 
     stranger = visit(small=True)
     Person.arrives(stack, stranger, "fremd")
     stranger.goto(link)
-    expect(stranger.get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
+    expect(stranger.get_by_role("status").get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()

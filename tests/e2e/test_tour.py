@@ -180,10 +180,15 @@ def test_standard_views_by_button_key_and_cube_frame_the_subject(stack: TestStac
     for letter in ("A", "R", "I"):
         hands.act(lambda letter=letter: page.keyboard.press(f"Shift+{letter}"))
         check_side(hands, letter, home)
-    # Keys move the camera away until the cube shows the front, which frames the subject again.
+    # Keys move the camera until the cube shows the front. The cube keeps the zoom, and the key frames the subject again.
     hands.act(lambda: [page.keyboard.press(key) for key in ["+"] + ["ArrowDown"] * 8])
     hands.settle()
+    zoomed = Eye(hands).distance
+    assert zoomed < 0.95 * home, (zoomed, home)
     hands.act(page.get_by_role("button", name="View from the front").click)
+    check_side(hands, "A", zoomed)
+    page.locator("canvas").focus()
+    hands.act(lambda: page.keyboard.press("Shift+A"))
     check_side(hands, "A", home)
     page.emulate_media(reduced_motion="reduce")
     views = hands.window("Views")

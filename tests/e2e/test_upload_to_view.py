@@ -72,7 +72,7 @@ def test_another_user_cannot_see_the_scan(stack: TestStack, visit, cranium: Path
     expect(bert.page.get_by_text("No scans yet")).to_be_visible()
     expect(bert.card("Private head")).to_have_count(0)
     bert.page.goto(f"{stack.url}/view/{scan}")
-    expect(bert.page.get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
+    expect(bert.page.get_by_role("status").get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
     expect(bert.page.locator("canvas[data-samples]")).to_have_count(0)
     for method, path, body in [
         ("GET", f"/v1/data-sets/{scan}", None),

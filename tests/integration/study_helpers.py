@@ -61,6 +61,12 @@ ANSWERS: dict[str, dict[str, Any]] = {
 }
 
 
+def tour_of(step: str, data_set: str, count: int = 2) -> dict[str, Any]:
+    """Returns the tour of a step as the analysis gives it: views from the front, each a little higher."""
+    views = [{"eye": [0.5, -400.0, 10.0 * n], "target": [0.0, 0.0, 10.0 * n], "up": [0.0, 0.0, 1.0]} for n in range(count)]
+    return {"step": step, "data_set_id": data_set, "views": views}
+
+
 def picture(kind: str = "PNG", **more: Any) -> bytes:
     file = io.BytesIO()
     Image.new("RGB", (8, 6), (200, 100, 50)).save(file, kind, **more)
@@ -155,6 +161,7 @@ def study_ways(stack, who, data_set: str) -> None:
         one.post(last)
     client(stack).get("/v1/perception")
     who.http.delete(path)
+    who.http.get(f"/v1/data-sets/{data_set}/tour")
 
 
 def study_result_ways(all_stacks) -> None:
@@ -167,5 +174,9 @@ def study_result_ways(all_stacks) -> None:
     who.http.get(f"/v1/studies/{study}/analysis")
     who.http.post(f"/v1/studies/{study}/adoption", json={"comfort": True})
     who.http.delete("/v1/perception/comfort")
+    scan = scan_of(stack, who)
+    double.answer["adoptable"]["tours"] = [tour_of("viewpoint", scan)]
+    who.http.put(f"/v1/data-sets/{scan}/tour", json={"study_id": study, "step": "viewpoint"})
+    who.http.delete(f"/v1/data-sets/{scan}/tour")
     all_stacks.shut(stack)
     double.close()

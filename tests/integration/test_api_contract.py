@@ -321,6 +321,7 @@ def test_every_operation_of_the_contract_succeeds_in_some_test(api, one, boss, a
         client(api).post(path, json={"token": link["token"]})
     put_thumbnail(api, made)    # The first one is older than the anonymisation.
     client(api).post("/v1/follow/thumbnails/bone", json={"token": link["token"]})
+    client(api).post("/v1/follow/tour", json={"token": link["token"]})
     client(api).post("/v1/visits", json={"token": link["token"], "key": "0" * 64})
     one.http.delete(f"/v1/data-sets/{made}/links/{link['id']}")
     one.http.patch("/v1/me/public-name", json={"public_name": "One"})

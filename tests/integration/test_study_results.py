@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from analysis_double import AnalysisDouble
 from api_client import client, person, problem
-from study_helpers import BOTH, definition, joined, opened, researcher
+from study_helpers import BOTH, definition, joined, opened, researcher, scan_of, step, tour_of, view
 
 #: Of 255, as the analysis and the page count (thesis, Table 1).
 COMFORT = {"bone": [-30.0, 7.0, 6.0], "blood": [34.0, 21.0, 32.0]}
@@ -68,6 +68,77 @@ def test_an_administrator_adopts_the_comfort_of_a_study_and_undoes_it(stack, lab
     assert client(stack).get("/v1/perception").json() == {"comfort": None}
     actions = [entry["action"] for entry in boss.http.get("/v1/admin/audit", params={"action": "comfort."}).json()["items"]]
     assert actions == ["comfort.reset", "comfort.adopted"]
+
+
+@pytest.fixture
+def toured(stack, lab):
+    """Returns a scan, and a study whose participants choose views of it."""
+    scan = scan_of(stack, lab)
+    study, token = opened(lab, definition(step("viewpoint", view=view(scan))))
+    joined(stack, token)
+    return scan, study
+
+
+def gives_tours(analysis, *tours) -> None:
+    analysis.status, analysis.answer = 200, {"sections": [], "adoptable": {"comfort": None, "tours": [*tours]}}
+
+
+def adopt(who, scan: str, study: str):
+    return who.http.put(f"/v1/data-sets/{scan}/tour", json={"study_id": study, "step": "viewpoint"})
+
+
+def test_the_tour_of_a_study_reaches_everyone_who_may_see_the_scan(stack, lab, analysis, toured):
+    scan, study = toured
+    path = f"/v1/data-sets/{scan}/tour"
+    assert lab.http.get(path).json() == {"tour": None}
+    gives_tours(analysis, tour_of("another", scan, 3), tour_of("viewpoint", scan))
+    assert adopt(lab, scan, study).status_code == 204
+    found = {"views": tour_of("viewpoint", scan)["views"], "participants": 1, "title": BOTH}
+    tour = {"tour": {**found, "removable": False}}
+    assert lab.http.get(path).json() == {"tour": {**found, "removable": True}}
+    friend, stranger = person(stack), person(stack)
+    problem(friend.http.get(path), 404, "not-found")
+    assert lab.http.post(f"/v1/data-sets/{scan}/people", json={"email": friend.email, "may": "view"}).status_code == 204
+    assert friend.http.get(path).json() == tour
+    problem(friend.http.delete(path), 403, "forbidden")
+    token = lab.http.post(f"/v1/data-sets/{scan}/links", json={"hours": 1}).json()["token"]
+    assert client(stack).post("/v1/follow/tour", json={"token": token}).json() == tour
+    problem(client(stack).get(path), 404, "not-found")
+    problem(stranger.http.get(path), 404, "not-found")
+    lab.http.delete(f"/v1/studies/{study}")
+    assert friend.http.get(path).json() == tour, "the tour names nobody, so it stays without its study"
+    assert lab.http.delete(path).status_code == 204
+    assert friend.http.get(path).json() == {"tour": None}
+    actions = stack.psql("SELECT action FROM audit_log WHERE subject_id = %s AND action LIKE '%%.tour-%%' ORDER BY id", scan)
+    assert actions == [("data-set.tour-adopted",), ("data-set.tour-removed",)]
+
+
+def test_a_tour_needs_clear_results(lab, analysis, toured):
+    scan, study = toured
+    good = tour_of("viewpoint", scan)
+    crooked = {**good, "views": [*good["views"], {"eye": [0, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1]}]}
+    far = {**good, "views": [*good["views"], {"eye": [1e6, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1]}]}
+    for wrong in (tour_of("another", scan), tour_of("viewpoint", study), tour_of("viewpoint", scan, 1), tour_of("viewpoint", scan, 65), crooked, far,
+                  {**good, "views": "none"}):
+        gives_tours(analysis, wrong)
+        problem(adopt(lab, scan, study), 409, "conflict")
+    analysis.answer = b"no JSON"
+    problem(adopt(lab, scan, study), 409, "conflict")
+    gives_tours(analysis, tour_of("viewpoint", scan, 64))
+    assert adopt(lab, scan, study).status_code == 204
+
+
+def test_a_tour_needs_a_study_and_a_scan_of_ones_own(stack, lab, analysis, toured):
+    scan, study = toured
+    gives_tours(analysis, tour_of("viewpoint", scan))
+    other = researcher(stack)
+    problem(adopt(other, scan, study), 404, "not-found")
+    theirs = scan_of(stack, other)
+    problem(adopt(other, theirs, study), 404, "not-found")
+    stack.psql("UPDATE data_sets SET visibility = 'public', published_at = now(), anonymised_at = now() - interval '1 hour' WHERE id = %s", scan)
+    problem(adopt(other, scan, study), 403, "forbidden")
+    stack.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", scan)
+    problem(adopt(lab, scan, study), 409, "conflict")
 
 
 def test_files_of_exports_do_not_stay(stack, lab):

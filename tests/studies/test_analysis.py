@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from diaphane_studies import comfort, export, figures, intervals, latency, report, simulate, tours, trials, viewpoints
+from diaphane_studies import comfort, export, figures, intervals, latency, report, simulate, texts, tours, trials, viewpoints
 
 CROWDS = 20
 
@@ -43,6 +43,25 @@ def test_without_an_effect_nothing_is_adoptable():
 def test_the_differences_of_bone_and_blood_are_adoptable():
     found = report.analyse(simulate.comfort(np.random.default_rng(3), 2000))["adoptable"]["comfort"]
     assert set(found) == {"bone", "blood"} and found["bone"][0] < 0 < found["blood"][0]
+
+
+def test_figure_21_shows_the_materials_in_five_settings_from_left_to_right():
+    found = comfort.materials(simulate.comfort(np.random.default_rng(3), 500))
+    drawn = figures.figure_21(found, texts.Texts("en"), ["Bone", "Vessels"])
+    pictures = [axes for axes in drawn.axes if axes.images]
+    assert [axes.get_title() for axes in pictures] == ["−2", "−1", "0", "+1", "+2"]
+    assert [axes.get_xlabel() for axes in pictures] == ["most uncomfortable", "", "Reference", "", "most comfortable"]
+    owner, brightness, _ = figures.lit_forms(len(found))
+    for axes, times in zip(pictures, (-2, -1, 0, 1, 2), strict=True):
+        image = np.asarray(axes.images[0].get_array())
+        assert (image[owner < 0] == 1).all()
+        for number, material in enumerate(found):
+            # Where the light is about as bright as white paper, a form has its colour, plus a highlight.
+            lit = image[(owner == number) & (brightness > 0.9)]
+            # Light of 0.9 is 0.955 in sRGB, and a highlight in front of it adds at most 0.3 of linear light.
+            assert (np.median(lit, axis=0) >= 0.95 * material.colour(times) / 255 - 0.03).all()
+            assert (lit.min(axis=0) <= material.colour(times) / 255 + 1 / 255).all()
+    assert len({number for number in np.unique(owner) if number >= 0}) == len(found)
 
 
 def test_a_rating_of_zero_weighs_as_much_as_one():

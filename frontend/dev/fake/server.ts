@@ -152,6 +152,10 @@ async function answer(request: IncomingMessage, response: ServerResponse): Promi
     });
     return;
   }
+  if (more === "tour" || id === "tour") {
+    say(200, { tour: null });
+    return;
+  }
   if (kind === "perception") {
     say(200, { comfort: null });
     return;

@@ -1,3 +1,4 @@
+import type { TourView } from "../input/view_tour";
 import type { Answer, Definition, StudyLanguage, Text } from "../studies/definition";
 import { randomKey } from "./random_key";
 import type { Send } from "./sharing";
@@ -44,7 +45,22 @@ export interface Analysis {
   readonly sections: readonly AnalysisSection[];
   readonly adoptable: {
     readonly comfort: { readonly bone: Components; readonly blood: Components } | null;
+    /** The canonical views of each step in which participants choose a view. */
+    readonly tours: readonly {
+      readonly step: string;
+      readonly data_set_id: string;
+      readonly views: readonly unknown[];
+    }[];
   };
+}
+
+/** The tour of a scan, through the views that the participants of a study chose. */
+export interface ScanTour {
+  readonly views: readonly TourView[];
+  readonly participants: number;
+  readonly title: Text;
+  /** Whether this user can remove it. */
+  readonly removable: boolean;
 }
 
 /** The changes of the colours for a comfort of 1 that a study of this installation has found. */
@@ -80,6 +96,7 @@ export interface JoinedStudy {
 
 const read = async <T>(response: Promise<Response>): Promise<T> => (await (await response).json()) as T;
 const of = (id: string): string => `/v1/studies/${id}`;
+const tourOf = (dataSet: string): string => `/v1/data-sets/${dataSet}/tour`;
 
 /** The routes of api/openapi.yaml with the tag `studies`, one function each. The first ones are for researchers. */
 export class StudiesApi {
@@ -142,6 +159,24 @@ export class StudiesApi {
 
   perception(): Promise<{ readonly comfort: AdoptedComfort | null }> {
     return read(this.send("GET", "/v1/perception"));
+  }
+
+  /** Uses the views of a study's step for the tour of its scan. Rejects with 403 if the scan isn't this researcher's. */
+  async adoptTour(dataSet: string, study: string, step: string): Promise<void> {
+    await this.send("PUT", tourOf(dataSet), { study_id: study, step });
+  }
+
+  async removeTour(dataSet: string): Promise<void> {
+    await this.send("DELETE", tourOf(dataSet));
+  }
+
+  async tour(dataSet: string): Promise<ScanTour | null> {
+    return (await read<{ readonly tour: ScanTour | null }>(this.send("GET", tourOf(dataSet)))).tour;
+  }
+
+  /** Returns the tour of the scan that a link leads to. */
+  async followTour(token: string): Promise<ScanTour | null> {
+    return (await read<{ readonly tour: ScanTour | null }>(this.send("POST", "/v1/follow/tour", { token }))).tour;
   }
 
   // For participants. They have no account, so each request contains their key.

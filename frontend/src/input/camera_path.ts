@@ -24,7 +24,8 @@ export interface CameraPath {
 const degree = Math.PI / 180;
 const fullTurn = 2 * Math.PI;
 /** Between neighbouring samples of a path. */
-const sampleStep = 0.5 * degree;
+export const sampleDegrees = 0.5;
+const sampleStep = sampleDegrees * degree;
 /** Degrees that count for a zoom by a factor of e, and for moving the target by the distance of the eye. */
 const zoomDegrees = 40;
 const panDegrees = 60;
@@ -72,7 +73,8 @@ export function turnBetween(a: Orbit, b: Orbit): number {
   return Math.acos(Math.min(1, Math.max(-1, (trace - 1) / 2))) / degree;
 }
 
-function effort(a: Orbit, b: Orbit): number {
+/** Returns how much the camera moves between two places, in degrees. Zooming and panning count too. */
+export function effort(a: Orbit, b: Orbit): number {
   const zoom = zoomDegrees * Math.abs(Math.log(b.distance / a.distance));
   const pan = (panDegrees * length(subtract(b.target, a.target))) / Math.min(a.distance, b.distance);
   return Math.max(turnBetween(a, b), zoom, pan);
@@ -135,7 +137,7 @@ function framed(directions: readonly ViewDirection[], subject: Subject, vertical
 }
 
 const sampled = (from: Orbit, to: Orbit): Orbit[] => {
-  const steps = Math.max(1, Math.ceil(effort(from, to) / (sampleStep / degree)));
+  const steps = Math.max(1, Math.ceil(effort(from, to) / sampleDegrees));
   return Array.from({ length: steps + 1 }, (_, i) => between(from, to, i / steps));
 };
 
@@ -196,12 +198,17 @@ export function tourOf(now: CameraPose, views: readonly ViewDirection[], subject
   const to = loop[0] ?? from;
   const way = approach(from, to, subject);
   const orbits = [...way, ...loop.slice(1)];
+  return pathOf(orbits, [way.length - 1, orbits.length - 1]);
+}
+
+/** Returns the path through cameras that are close to each other. It rests at those with the indices `rests`. */
+export function pathOf(orbits: readonly Orbit[], rests: readonly number[]): CameraPath {
   const along = [0];
   for (const [i, orbit] of orbits.entries()) {
     const before = orbits[i - 1];
     if (before) along.push((along[i - 1] ?? 0) + effort(before, orbit));
   }
-  return { orbits, along, stops: [along[way.length - 1] ?? 0, along.at(-1) ?? 0] };
+  return { orbits, along, stops: rests.map((index) => along[index] ?? 0) };
 }
 
 /** Returns the camera at a place along a path. */
@@ -223,7 +230,8 @@ export const refittedPath = (path: CameraPath, aspectBefore: number, aspect: num
 
 /** Returns cameras at equal distances of the round trip, for a video. */
 export function keyCameras(path: CameraPath, count: number): CameraPose[] {
-  const [begin = 0, end = 0] = path.stops;
+  const [begin = 0] = path.stops;
+  const end = path.stops.at(-1) ?? begin;
   return Array.from({ length: count }, (_, i) => cameraAt(path, mix(begin, end, i / (count - 1)))).filter(
     (pose) => pose !== null,
   );

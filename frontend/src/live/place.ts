@@ -2,6 +2,7 @@ import type { AnnotationSet } from "../api/annotations";
 import type { Api } from "../api/client";
 import { randomKey } from "../api/random_key";
 import { guestTicketSource, sessionTicketSource, visitTicketSource } from "../api/ticket_source";
+import type { ScanTour } from "../api/studies";
 import type { PresetName } from "../api/types";
 import type { Scene } from "../protocol/messages";
 import type { OpenSocket, TicketSource } from "../protocol/stream_client";
@@ -34,6 +35,8 @@ export interface Place {
    * its participants show.
    */
   readonly savedMarks: (() => Promise<readonly AnnotationSet[]>) | null;
+  /** Loads the tour that a study found. Null if this person gets none: it may show more than a presenter does. */
+  readonly loadTour: (() => Promise<ScanTour | null>) | null;
   ticketSource(known: string | null, session: (id: string) => void): TicketSource;
   /** Tickets for a second session, which renders a file while the first one is on the page. */
   fileTicketSource(session: (id: string) => void): TicketSource;
@@ -48,6 +51,7 @@ export function ownPlace(api: Api, dataSetId: string): Place {
     lookPictures: { key: dataSetId, load: (look, signal) => api.thumbnail(dataSetId, look, signal) },
     isVisit: false,
     savedMarks: () => api.annotations.list(dataSetId),
+    loadTour: () => api.studies.tour(dataSetId),
     ticketSource: (known, session) => sessionTicketSource(api, dataSetId, known, session),
     fileTicketSource: (session) => sessionTicketSource(api, dataSetId, null, session),
     leave: (sessionId) => {
@@ -82,6 +86,7 @@ export function guestPlace(api: Api, token: string, guest: Guest): Place {
     lookPictures: null,
     isVisit: false,
     savedMarks: null,
+    loadTour: null,
     ticketSource,
     fileTicketSource: ticketSource, // not used, because guests can render no files
     leave: () => undefined,
@@ -108,6 +113,7 @@ export function visitPlace(
     },
     isVisit: true,
     savedMarks: () => ("token" in what ? api.annotations.follow(what.token) : api.annotations.list(what.data_set_id)),
+    loadTour: () => ("token" in what ? api.studies.followTour(what.token) : api.studies.tour(what.data_set_id)),
     ticketSource: () => visitTicketSource(api.sharing, what, key),
     fileTicketSource: () => visitTicketSource(api.sharing, what, fileKey),
     leave: () => undefined,

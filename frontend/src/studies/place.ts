@@ -28,6 +28,7 @@ export function studyPlace(api: Api, participation: Participation, step: ViewSte
     lookPictures: null,
     isVisit: false,
     savedMarks: null,
+    loadTour: null,
     ticketSource,
     fileTicketSource: ticketSource, // not used, because participants can save nothing
     leave: () => {

@@ -1,6 +1,8 @@
+import type { ScanTour } from "../api/studies";
+import type { CameraPose } from "../input/camera";
 import { poseFromSide } from "../input/cube";
 import type { After } from "../live/paced";
-import type { Viewport } from "../protocol/messages";
+import { cameraOf, type Viewport } from "../protocol/messages";
 import { CameraMotion } from "./camera_motion";
 import type { SceneEditor } from "./scene_editor";
 import { Tour } from "./tour";
@@ -11,8 +13,11 @@ export interface GuideParts {
   /** Whether this viewer presents. One with a free camera leads, but gets no views for a tour. */
   readonly presents: () => boolean;
   readonly canvasSize: () => Viewport;
+  /** Loads the tour that a study found for the scan. Null if there is none. */
+  readonly loadStudy: () => Promise<ScanTour | null>;
   /** Asks the worker for good views of the scene. Returns false without a connection. */
   readonly askForViews: () => boolean;
+  readonly isConnected: () => boolean;
   /** The newest input that was sent, and the one that the picture on the screen shows. */
   readonly sentInput: () => number;
   readonly shownInput: () => number;
@@ -46,10 +51,19 @@ export class GuidedCamera {
 
   /** Turns the picture to a side of the patient, framed as at the start. `letter` is that of the orientation cube. */
   viewFrom(letter: string): void {
-    const home = this.parts.editor.home();
-    if (!home || !this.parts.leads()) return;
+    this.fly(this.parts.editor.home(), letter);
+  }
+
+  /** Turns the picture to a side of the patient, and keeps what it looks at, the zoom and the lens. */
+  turnTo(letter: string): void {
+    const scene = this.parts.editor.scene.peek();
+    this.fly(scene && cameraOf(scene), letter);
+  }
+
+  private fly(pose: CameraPose | null, letter: string): void {
+    if (!pose || !this.parts.leads()) return;
     this.tour.stop();
-    this.motion.flyTo(poseFromSide(home, letter), `side ${letter}`);
+    this.motion.flyTo(poseFromSide(pose, letter), `side ${letter}`);
   }
 
   /** Runs `resize`, which may reframe the picture for a window of another shape. A tour continues in the new shape. */

@@ -1,5 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
+import type { ScanTour } from "../api/studies";
 import { orbitOf, type CameraPose } from "../input/camera";
 import { turnBetween } from "../input/camera_path";
 import { vec3 } from "../input/vec3";
@@ -33,11 +34,15 @@ let shownInput: number;
 let editor: SceneEditor;
 let motion: CameraMotion;
 let tour: Tour;
+let asked: number;
+let loadStudy: () => Promise<ScanTour | null>;
 let shape: { width: number; height: number };
 
 beforeEach(() => {
   [leads, calm, nowMs, frames, sent, rests, shownInput] = [true, false, 0, [], [], 0, 0];
   shape = { width: 400, height: 300 };
+  asked = 0;
+  loadStudy = () => Promise.resolve(null);
   editor = new SceneEditor({
     leads: () => leads,
     canvasSize: () => shape,
@@ -55,7 +60,12 @@ beforeEach(() => {
   tour = new Tour({
     editor,
     motion,
-    ask: () => true,
+    loadStudy: () => loadStudy(),
+    isConnected: () => true,
+    ask: () => {
+      asked += 1;
+      return true;
+    },
     leads: () => leads,
     aspect: () => shape.width / shape.height,
     sentInput: () => sent.length,
@@ -76,9 +86,15 @@ function pass(count: number, ms = 16, late = 2): void {
 
 const start = async (views = goodViews) => {
   const started = tour.toggle();
+  await askedTheWorker();
   tour.receive(views);
   await started;
 };
+/** The worker is asked once it is known that there is no tour of a study. */
+async function askedTheWorker(): Promise<void> {
+  await tour.loadStudy();
+  await Promise.resolve();
+}
 const pose = (): CameraPose => sure(cameraOf(sure(editor.scene.value)));
 const turns = (scenes: readonly Scene[]) =>
   scenes
@@ -162,8 +178,10 @@ describe("Show me around", () => {
   });
   it("ignores the answer to a stopped request, without a message", async () => {
     const first = tour.toggle();
+    await askedTheWorker();
     tour.stop();
     const second = tour.toggle();
+    await askedTheWorker();
     await first;
     expect([tour.state.value, tour.fault.value]).toEqual(["asking", null]);
     tour.receive(goodViews);
@@ -183,12 +201,14 @@ describe("Show me around", () => {
     await start(create(GoodViewsSchema));
     expect([tour.state.value, tour.fault.value]).toEqual(["off", "nothing"]);
     const started = tour.toggle();
+    await askedTheWorker();
     tour.receive(null);
     await started;
     expect([tour.state.value, tour.fault.value]).toEqual(["off", "unanswered"]);
   });
   it("can be stopped before the answer", async () => {
     const started = tour.toggle();
+    await askedTheWorker();
     await tour.toggle();
     tour.receive(goodViews);
     await started;
@@ -205,6 +225,7 @@ describe("Show me around", () => {
   });
   it("has 16 key views for a video", async () => {
     const scenes = tour.videoScenes(sure(editor.scene.value));
+    await askedTheWorker();
     tour.receive(goodViews);
     const keys = await scenes;
     expect(keys).toHaveLength(16);
@@ -237,5 +258,75 @@ describe("the way to a side", () => {
     const after = pose();
     pass(100);
     expect(pose()).toEqual(after);
+  });
+});
+
+const studyTour: ScanTour = {
+  views: [
+    { eye: [0, -500, 0], target: [0, 0, 0], up: [0, 0, 1] },
+    { eye: [450, 0, 10], target: [0, 0, 10], up: [0, 0, 1] },
+    { eye: [0, 400, 100], target: [0, 0, 20], up: [0, 0, 1] },
+  ],
+  participants: 12,
+  title: { en: "Views" },
+  removable: true,
+};
+const isAt = (scene: Scene, [x, y, z]: readonly [number, number, number]) => {
+  const { eye } = sure(cameraOf(scene));
+  return Math.hypot(eye.x - x, eye.y - y, eye.z - z) < 3; // between two refreshes near a stop, the eye moves less
+};
+
+describe("A tour through the views of a study", () => {
+  beforeEach(() => {
+    loadStudy = () => Promise.resolve(studyTour);
+  });
+  it("passes all views in order, and asks the worker for none", async () => {
+    await tour.toggle();
+    expect([tour.state.value, asked]).toEqual(["moving", 0]);
+    pass(8000);
+    expect(tour.state.value).toBe("off");
+    const passed = studyTour.views.map(({ eye }) => sent.findIndex((scene) => isAt(scene, eye)));
+    expect(passed).not.toContain(-1);
+    expect(passed).toEqual([...passed].sort((a, b) => a - b));
+    const first = passed[0] ?? 0;
+    expect(isAt(sure(sent.at(-1)), studyTour.views[0]?.eye ?? [0, 0, 0])).toBe(true);
+    expect(first).toBeLessThan(sent.length - 1);
+    expect(Math.max(...turns(sent))).toBeLessThanOrEqual(3);
+  });
+  it("shows just these views to those who prefer reduced motion", async () => {
+    calm = true;
+    await tour.toggle();
+    pass(1, 0);
+    for (let view = 0; view < 5; ++view) pass(1, 4000);
+    const rests = [...studyTour.views, ...studyTour.views.slice(0, 1)];
+    expect(sent.length).toBe(rests.length);
+    expect(rests.map(({ eye }, i) => isAt(sure(sent[i]), eye))).toEqual(rests.map(() => true));
+  });
+  it("makes its video", async () => {
+    const scenes = sure(await tour.videoScenes(sure(editor.scene.value)));
+    expect(scenes.length).toBeGreaterThan(2);
+    expect([scenes[0], scenes.at(-1)].map((scene) => isAt(sure(scene), [0, -500, 0]))).toEqual([true, true]);
+  });
+  it("uses computed views if the study's can't be loaded, and tries again", async () => {
+    let attempts = 0;
+    loadStudy = () => (++attempts === 1 ? Promise.reject(new Error("offline")) : Promise.resolve(studyTour));
+    await start();
+    expect([tour.state.value, asked]).toEqual(["moving", 1]);
+    tour.stop();
+    await tour.toggle();
+    await tour.loadStudy();
+    expect([attempts, asked]).toEqual([2, 1]);
+  });
+  it("uses computed views once the owner removed the study's", async () => {
+    await tour.loadStudy();
+    tour.forgetStudy();
+    await start();
+    expect([tour.study.value, asked]).toEqual([null, 1]);
+  });
+  it("does not start if it was stopped while it was loading", async () => {
+    const started = tour.toggle();
+    await tour.toggle();
+    await started;
+    expect([tour.state.value, asked, sent.length]).toEqual(["off", 0, 0]);
   });
 });

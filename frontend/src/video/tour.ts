@@ -1,6 +1,8 @@
 import { effect, signal } from "@preact/signals";
+import type { ScanTour } from "../api/studies";
 import { isSamePose, type CameraPose } from "../input/camera";
 import { advanced, cameraAt, keyCameras, refittedPath, tourOf, type CameraPath } from "../input/camera_path";
+import { restsOf, tourThrough } from "../input/view_tour";
 import type { After } from "../live/paced";
 import type { GoodViews } from "../protocol/gen/api/proto/stream_pb";
 import { cameraOf, plain, withCamera, type Scene } from "../protocol/messages";
@@ -10,8 +12,11 @@ import type { SceneEditor } from "./scene_editor";
 export interface TourParts {
   readonly editor: Pick<SceneEditor, "scene">;
   readonly motion: Pick<CameraMotion, "start" | "stop">;
+  /** Loads the tour that a study found for the scan. Null if there is none. */
+  readonly loadStudy: () => Promise<ScanTour | null>;
   /** Asks the worker for good views of the scene. Returns false without a connection. */
   readonly ask: () => boolean;
+  readonly isConnected: () => boolean;
   readonly leads: () => boolean;
   readonly aspect: () => number;
   /** The newest input that was sent, and the one that the picture on the screen shows. */
@@ -23,7 +28,7 @@ export interface TourParts {
 
 export type TourState = "off" | "asking" | "moving" | "paused";
 /** Why there is no tour. */
-export type TourFault = "nothing" | "unanswered";
+export type TourFault = "nothing" | "unanswered" | "disconnected";
 
 /** Views, null without an answer, or "stopped" if nobody waits for it anymore. */
 type Answer = GoodViews | null | "stopped";
@@ -40,6 +45,9 @@ const degree = Math.PI / 180;
 export class Tour {
   readonly state = signal<TourState>("off");
   readonly fault = signal<TourFault | null>(null);
+  /** The tour of a study, once it is loaded. */
+  readonly study = signal<ScanTour | null>(null);
+  private loading: Promise<ScanTour | null> | null = null;
   private path: CameraPath | null = null;
   private at = 0;
   private shown = 0;
@@ -114,6 +122,22 @@ export class Tour {
     if (this.path) this.path = refittedPath(this.path, before, this.parts.aspect());
   }
 
+  /** Loads the tour of a study once. Without an answer, the next call tries again. */
+  loadStudy(): Promise<ScanTour | null> {
+    this.loading ??= this.parts.loadStudy().then(
+      (found) => (this.study.value = found),
+      () => (this.loading = null),
+    );
+    return this.loading;
+  }
+
+  /** Uses computed views again, because the owner of the scan removed those of the study. */
+  forgetStudy(): void {
+    this.stop();
+    this.study.value = null;
+    this.loading = Promise.resolve(null);
+  }
+
   receive(views: GoodViews | null): void {
     this.answered(views);
   }
@@ -126,6 +150,11 @@ export class Tour {
 
   private async findPath(): Promise<CameraPath | null> {
     this.fault.value = null;
+    const { run } = this;
+    const study = await this.loadStudy();
+    if (run !== this.run) return null;
+    const chosen = study && poseOfScene(this.parts.editor.scene.peek());
+    if (study && chosen) return tourThrough(chosen, study.views, this.parts.aspect());
     const views = await this.askForViews();
     if (views === "stopped") return null;
     const pose = poseOfScene(this.parts.editor.scene.peek());
@@ -137,7 +166,7 @@ export class Tour {
       const subject = { low: plain(views.low), high: plain(views.high) };
       return tourOf(pose, directions, subject, this.parts.aspect());
     }
-    this.fault.value = views ? "nothing" : "unanswered";
+    this.fault.value = views ? "nothing" : this.parts.isConnected() ? "unanswered" : "disconnected";
     return null;
   }
 
@@ -196,7 +225,8 @@ export class Tour {
     if (!this.path) return null;
     // A hidden page gets no frames. It continues with the view that it left.
     this.at += Math.min(Math.max(elapsedMs, 0), stillMs);
-    return keyCameras(this.path, stillViews + 1)[Math.floor(this.at / stillMs)] ?? null;
+    const views = this.study.peek() ? restsOf(this.path) : keyCameras(this.path, stillViews + 1);
+    return views[Math.floor(this.at / stillMs)] ?? null;
   }
 
   private end(): void {

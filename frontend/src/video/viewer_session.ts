@@ -123,17 +123,17 @@ export class ViewerSession {
   /** Asks for the whole curve of the view, which has passes that were never shown. It replaces that of the pictures. */
   readonly curve = new CurveRequest(() => this.client.say(encodeCurveQuery()), this.inputs.nowMs);
 
-  /** Standard views and "Show me around". */
   readonly guide = new GuidedCamera({
     editor: this.editor,
     leads: () => this.client.leads,
     canvasSize: () => this.canvasSize,
     presents: () => roleOf(this.audience.peek()).presents,
+    loadStudy: () => this.place.loadTour?.() ?? Promise.resolve(null),
+    isConnected: () => this.connection.peek().phase === "live",
     askForViews: () => this.client.say(encodeGoodViewsQuery()),
     ...this.inputs,
   });
 
-  /** The phases of the scan. */
   readonly phases = new PhasePlayer({
     editor: this.editor,
     leads: () => this.client.leads && roleOf(this.audience.peek()).presents,

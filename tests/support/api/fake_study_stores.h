@@ -93,6 +93,10 @@ class FakeStudies final : public StudyStore, public ParticipantStore, public Fak
                            Time) override {
     return enter("set_comfort");
   }
+  Result<std::string> tour(const std::string&) override { return std::string(); }
+  Result<void> set_tour(const std::string&, const std::string&, const std::string&, Time) override {
+    return enter("set_tour");
+  }
   Result<SessionIds> expire(Time) override {
     DIAPHANE_TRY(enter("expire"));
     return over;

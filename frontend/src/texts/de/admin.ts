@@ -99,6 +99,8 @@ export const admin: Texts["admin"] = {
     "data-set.restored": "Sperre der Aufnahme aufgehoben",
     "data-set.shared": "Aufnahme mit einer Person geteilt",
     "data-set.taken-down": "Aufnahme gesperrt",
+    "data-set.tour-adopted": "Rundgang einer Studie für eine Aufnahme übernommen",
+    "data-set.tour-removed": "Rundgang einer Studie entfernt",
     "data-set.unshared": "Teilen mit einer Person beendet",
     "data-set.withdrawn": "Aufnahme aus der Galerie entfernt",
     "preset.restored": "Sperre der Voreinstellung aufgehoben",

@@ -65,15 +65,22 @@ export const settings: Texts["settings"] = {
     around: "Rundgang zeigen",
     aroundLead:
       "Ein langsamer Rundgang durch die Ansichten, die am meisten von Ihrer Aufnahme zeigen. Er endet, sobald Sie das Bild bewegen. P hält ihn an.",
+    studyLead: (title, n) =>
+      `Ein langsamer Rundgang durch die Ansichten, die ${count(n, "Person", "Personen")} in der Studie „${title}“ gewählt ${n === 1 ? "hat" : "haben"}. Er endet, sobald Sie das Bild bewegen. P hält ihn an.`,
+    removeStudy: "Wieder berechnete Ansichten verwenden",
+    studyRemoved: "Der Rundgang verwendet wieder berechnete Ansichten.",
     pause: "Anhalten",
     goOn: "Fortsetzen",
     stop: "Beenden",
     video: "Als Video speichern",
     looking: "Gute Ansichten werden gesucht …",
     touring: "Rundgang läuft",
+    waits: "Der Rundgang geht weiter, sobald die Verbindung wieder steht",
     paused: "Der Rundgang ist angehalten",
     nothing: "Gerade ist nichts sichtbar, also gibt es nichts zu zeigen. Wählen Sie eine andere Darstellung.",
     unanswered: "Der Server hat keine guten Ansichten gefunden. Versuchen Sie es noch einmal.",
+    disconnected:
+      "Zurzeit besteht keine Verbindung zum Server. Starten Sie den Rundgang neu, sobald das Bild wieder da ist.",
   },
   move: (window) => `${window} bewegen`,
   moveHelp: "Ziehen Sie, oder benutzen Sie die Pfeiltasten.",

@@ -192,6 +192,13 @@ export const studies: Texts["studies"] = {
   dropped: "Der Regler „Sanftere Farben“ verwendet wieder die veröffentlichten Farben.",
   adoptedFrom: (title, n) =>
     `Der Regler „Sanftere Farben“ verwendet die Farben aus „${title}“ (${count(n, "Person", "Personen")}).`,
+  adoptTour: (part) => `Diese Ansichten von „${part}“ für „Rundgang zeigen“ verwenden`,
+  adoptTourText:
+    "Alle, die die Aufnahme sehen dürfen, erhalten dann einen Rundgang durch diese Ansichten. Rückgängig machen können Sie das im Viewer unter „Ansichten“.",
+  adoptedTour: "„Rundgang zeigen“ verwendet jetzt die Ansichten dieser Studie.",
+  wholeScan: "der ganzen Aufnahme",
+  tourNotYours:
+    "Sie können den Rundgang nur für eine eigene Aufnahme wählen. Für ein Beispiel kann das ein Administrator.",
   removeStudy: "Studie löschen",
   removeTitle: "Diese Studie löschen?",
   removeText: "Die Studie, ihre Bilder und alle Antworten werden gelöscht. Das lässt sich nicht rückgängig machen.",

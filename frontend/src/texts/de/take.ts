@@ -95,7 +95,7 @@ export const take: Texts["take"] = {
   framesBegun: (done, all) =>
     done === 0 ? `Das erste von ${count(all, "Bild", "Bildern")} wird berechnet.` : `${done} von ${all}`,
   framesDone: (done, all, left) => `${done} von ${all}, ${scans.upload.left(left)}`,
-  wrongSeconds: (most) => `Geben Sie eine ganze Zahl von 1 bis ${most} Sekunden ein.`,
+  wrongSeconds: (least, most) => `Geben Sie eine ganze Zahl von ${least} bis ${most} Sekunden ein.`,
   views: "Ansichten in dieser Reihenfolge",
   viewNow: "Aktuelle Ansicht",
   noViews:

@@ -96,6 +96,8 @@ export const admin = {
     "data-set.restored": "Scan restored",
     "data-set.shared": "Scan shared with a person",
     "data-set.taken-down": "Scan taken down",
+    "data-set.tour-adopted": "Tour of a study used for a scan",
+    "data-set.tour-removed": "Tour of a study removed",
     "data-set.unshared": "Sharing with a person stopped",
     "data-set.withdrawn": "Scan removed from the gallery",
     "preset.restored": "Preset restored",

@@ -176,6 +176,12 @@ export const studies = {
   dropped: "“Softer colours” uses the published colours again.",
   adoptedFrom: (title: string, n: number) =>
     `“Softer colours” uses the colours of “${title}” (${count(n, "participant", "participants")}).`,
+  adoptTour: (part: string) => `Use these views of “${part}” for “Show me around”`,
+  adoptTourText:
+    "Everyone who may see the scan then gets a tour through these views. You can undo this in the viewer, under “Views”.",
+  adoptedTour: "“Show me around” now uses the views of this study.",
+  wholeScan: "the whole scan",
+  tourNotYours: "You can choose the tour only for a scan of your own. An administrator can choose it for a sample.",
   removeStudy: "Delete study",
   removeTitle: "Delete this study?",
   removeText: "The study, its pictures and all answers are deleted. This can’t be undone.",

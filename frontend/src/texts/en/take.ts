@@ -94,7 +94,7 @@ export const take = {
   framesBegun: (done: number, all: number) =>
     done === 0 ? `The first of ${count(all, "picture", "pictures")} is being rendered.` : `${done} of ${all}`,
   framesDone: (done: number, all: number, left: number) => `${done} of ${all}, ${scans.upload.left(left)}`,
-  wrongSeconds: (most: number) => `Enter a whole number of seconds between 1 and ${most}.`,
+  wrongSeconds: (least: number, most: number) => `Enter a whole number of seconds between ${least} and ${most}.`,
   views: "Views, in this order",
   viewNow: "Current view",
   noViews:

@@ -13,6 +13,7 @@ import { textIn } from "../../studies/definition";
 import { language, t } from "../../texts";
 import { UserError, useApp } from "../state";
 import { Table } from "../table";
+import { TourAdoption } from "./tour_adoption";
 import { useAct } from "../use_act";
 
 /** The answers as files, and their analysis. */
@@ -55,6 +56,7 @@ export function ResultsPart({ study }: { readonly study: Study }) {
       {analysis?.sections.map((section) => (
         <Section key={section.id} section={section} />
       ))}
+      {analysis ? <TourAdoption study={study} analysis={analysis} /> : null}
       {app.me.value?.administrator ? (
         <Adoption study={study} found={analysis?.adoptable.comfort !== null && analysis !== null} />
       ) : null}

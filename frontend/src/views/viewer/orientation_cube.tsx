@@ -11,7 +11,7 @@ interface CubeProps {
 
 /**
  * Shows the viewed side of the patient: L, R, A, P, S or I on a cube that rotates with the picture. A press on a face
- * turns the picture to that side.
+ * turns the picture to that side at the same zoom.
  */
 export function OrientationCube({ session, leads }: CubeProps) {
   const scene = session.editor.scene.value;
@@ -27,7 +27,7 @@ export function OrientationCube({ session, leads }: CubeProps) {
       aria-label={nearest ? t.viewer.orientation(t.viewer.sides[nearest.letter] ?? "") : ""}
     >
       {faces.map((face) => (
-        <Face key={face.letter} face={face} press={leads ? () => session.guide.viewFrom(face.letter) : null} />
+        <Face key={face.letter} face={face} press={leads ? () => session.guide.turnTo(face.letter) : null} />
       ))}
     </svg>
   );

@@ -23,7 +23,7 @@ export function PictureTimeLine({ onHide }: { readonly onHide: () => void }) {
     return (
       <p class="glass pill pill-bad">
         <Icon name="clock" />
-        {t.viewer.pictureTime.ending(timeText(state.atMs), dayText(time.renewed_at))}
+        <span data-said>{t.viewer.pictureTime.ending(timeText(state.atMs), dayText(time.renewed_at))}</span>
       </p>
     );
   const key = state.minutes > 1 ? "minutes" : "last";
@@ -31,7 +31,7 @@ export function PictureTimeLine({ onHide }: { readonly onHide: () => void }) {
   return (
     <p class="glass pill pill-time">
       <Icon name="clock" />
-      <span>{t.viewer.pictureTime.soon(state.minutes)}</span>
+      <span data-said>{t.viewer.pictureTime.soon(state.minutes)}</span>
       <button
         type="button"
         class="icon-button"

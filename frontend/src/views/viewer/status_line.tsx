@@ -1,10 +1,12 @@
 import type { ComponentChildren, JSX } from "preact";
+import { useRef } from "preact/hooks";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { Link } from "../router";
 import type { Trouble } from "../../protocol/connection";
 import { useApp } from "../state";
+import { Announcer } from "./announcer";
 import { PictureTimeOver } from "./picture_time";
 import { VisitOver, wayBack, type Visitor } from "./visitor";
 
@@ -16,9 +18,10 @@ export interface StatusLineProps {
   readonly children: ComponentChildren;
 }
 
-/** The reason for a missing or outdated picture. A screen reader announces it. */
+/** The reason for a missing or outdated picture, and notes. A screen reader announces their texts. */
 export function StatusLine({ session, fault, visitor, children }: StatusLineProps) {
   const app = useApp();
+  const lines = useRef<HTMLDivElement>(null);
   const connection = session?.connection.value;
   const trouble = connection?.trouble ?? null;
   const shown = session?.pictures.picture.value ?? null;
@@ -38,33 +41,36 @@ export function StatusLine({ session, fault, visitor, children }: StatusLineProp
   // Slices alone need no picture, and nothing may cover them.
   const wanted = session?.slices.pictureShown.value ?? true;
   return (
-    <div
-      class={`viewer-status${(wanted && shown === null) || over !== null ? " viewer-status-middle" : ""}`}
-      role="status"
-      data-phase={connection?.phase ?? "idle"}
-    >
-      {over ?? (
-        <StatusMessage
-          waiting={text === "" && wanted && (shown === null || ownView)}
-          ownView={ownView}
-          bad={(!trouble && !isLate) || stopped}
-          text={[text, meanwhile]}
-        >
-          {elsewhere ? (
-            <button type="button" class="button" onClick={() => session?.start()}>
-              {t.viewer.continueHere}
-            </button>
-          ) : trouble === "signed_out" ? (
-            <button type="button" class="button" onClick={() => (app.me.value = null)}>
-              {t.account.signIn}
-            </button>
-          ) : stopped ? (
-            <Link href={wayBack(visitor).href}>{wayBack(visitor).text}</Link>
-          ) : null}
-        </StatusMessage>
-      )}
-      {over ? null : children}
-    </div>
+    <>
+      <Announcer of={lines} />
+      <div
+        class={`viewer-status${(wanted && shown === null) || over !== null ? " viewer-status-middle" : ""}`}
+        ref={lines}
+        data-phase={connection?.phase ?? "idle"}
+      >
+        {over ?? (
+          <StatusMessage
+            waiting={text === "" && wanted && (shown === null || ownView)}
+            ownView={ownView}
+            bad={(!trouble && !isLate) || stopped}
+            text={[text, meanwhile]}
+          >
+            {elsewhere ? (
+              <button type="button" class="button" onClick={() => session?.start()}>
+                {t.viewer.continueHere}
+              </button>
+            ) : trouble === "signed_out" ? (
+              <button type="button" class="button" onClick={() => (app.me.value = null)}>
+                {t.account.signIn}
+              </button>
+            ) : stopped ? (
+              <Link href={wayBack(visitor).href}>{wayBack(visitor).text}</Link>
+            ) : null}
+          </StatusMessage>
+        )}
+        {over ? null : children}
+      </div>
+    </>
   );
 }
 
@@ -92,14 +98,14 @@ function StatusMessage({ waiting, ownView, bad, text, children }: StatusMessageP
     return (
       <p class={`glass pill${ownView ? " pill-soon" : ""}`}>
         <span class="spinner" />
-        {ownView ? t.live.ownViewComing : t.viewer.first}
+        <span data-said>{ownView ? t.live.ownViewComing : t.viewer.first}</span>
       </p>
     );
   if (message === "") return null;
   return (
     <p class={`glass pill${bad ? " pill-bad" : " pill-warn"}`}>
       {bad ? <Icon name="alert" /> : <span class="spinner" />}
-      {message}
+      <span data-said>{message}</span>
       {children}
     </p>
   );

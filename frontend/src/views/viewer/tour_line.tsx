@@ -2,6 +2,7 @@ import { useEffect } from "preact/hooks";
 import { t } from "../../texts";
 import type { Role } from "../../live/role";
 import { maySaveVideos } from "./viewer_dialogs";
+import type { TourState } from "../../video/tour";
 import type { ViewerSession } from "../../video/viewer_session";
 
 export interface TourLineProps {
@@ -24,7 +25,7 @@ export function TourLine({ session, role, onHide, onVideo }: TourLineProps) {
   if (state === "off")
     return (
       <p class="glass pill tour-line">
-        <span>{text[fault ?? "unanswered"]}</span>
+        <span data-said>{text[fault ?? "unanswered"]}</span>
         <button
           type="button"
           class="button button-small"
@@ -37,10 +38,9 @@ export function TourLine({ session, role, onHide, onVideo }: TourLineProps) {
         </button>
       </p>
     );
-  const line = state === "asking" ? text.looking : state === "paused" ? text.paused : text.touring;
   return (
     <p class="glass pill tour-line" data-tour={state}>
-      <span>{line}</span>
+      <span data-said>{progressOf(session, state)}</span>
       <span class="tour-buttons">
         {state === "asking" ? null : (
           <button type="button" class="button button-small" onClick={() => tour.pauseOrContinue()}>
@@ -72,6 +72,13 @@ export function TourLine({ session, role, onHide, onVideo }: TourLineProps) {
       </span>
     </p>
   );
+}
+
+function progressOf(session: ViewerSession, state: TourState): string {
+  const text = t.settings.view;
+  if (state === "asking") return text.looking;
+  if (state === "paused") return text.paused;
+  return session.connection.value.phase === "live" ? text.touring : text.waits;
 }
 
 function useStopKey(session: ViewerSession, active: boolean): void {

@@ -24,7 +24,7 @@ export function HiddenTable({ session, presents }: Props & { readonly presents: 
   const text = t.viewer.treatment;
   return (
     <p class="glass pill pill-note">
-      <span>{text.tableHidden}</span>
+      <span data-said>{text.tableHidden}</span>
       {presents ? (
         <button
           type="button"

@@ -76,6 +76,29 @@ class Participant(TypedDict):
     recordings: list[dict[str, Any]]
 
 
+class View(TypedDict):
+    eye: list[float]
+    target: list[float]
+    up: list[float]
+
+
+class Tour(TypedDict):
+    views: list[View]
+    """
+    The views in the order of the tour, which returns to the first. Places are in millimetres of the scan's world.
+    """
+    participants: int
+    title: StudyText
+    removable: bool
+    """
+    Whether you can remove it.
+    """
+
+
+class ScanTour(TypedDict):
+    tour: Tour | None
+
+
 class Comfort(TypedDict):
     bone: list[float]
     blood: list[float]

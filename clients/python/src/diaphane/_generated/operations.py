@@ -62,6 +62,8 @@ OPERATIONS: dict[str, Operation] = {
     "deletePreset": Operation("DELETE", "/v1/presets/{preset_id}", "write"),
     "changePreset": Operation("PATCH", "/v1/presets/{preset_id}", "write"),
     "exportPreset": Operation("GET", "/v1/presets/{preset_id}/xml", "read"),
+    "getTour": Operation("GET", "/v1/data-sets/{data_set_id}/tour", "read"),
+    "removeTour": Operation("DELETE", "/v1/data-sets/{data_set_id}/tour", "write"),
     "listEnvironments": Operation("GET", "/v1/environments", "read"),
     "createEnvironment": Operation("POST", "/v1/environments", "write"),
     "getEnvironment": Operation("GET", "/v1/environments/{environment_id}", "read"),

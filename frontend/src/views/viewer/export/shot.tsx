@@ -149,7 +149,7 @@ export function ShotLine({ shot }: { readonly shot: Shot }) {
       data-shot={state.kind}
     >
       <Icon name={state.kind === "done" ? "check" : "alert"} />
-      <span>{saidOf(state, text)}</span>
+      <span data-said>{saidOf(state, text)}</span>
       <button type="button" class="icon-button" aria-label={t.take.hide} title={t.take.hide} onClick={hide}>
         <Icon name="close" />
       </button>
@@ -173,7 +173,7 @@ function RenderingLine({ shot: { video, frames, progress, stop }, state: { done,
   return (
     <div class="glass pill shot-line" data-shot="rendering">
       <span class="shot-words">
-        <span>{waits ? t.viewer.troubles[waits] : text.rendering}</span>
+        <span data-said>{waits ? t.viewer.troubles[waits] : text.rendering}</span>
         <span class={video ? "shot-left" : "shot-percent"} aria-hidden="true">
           {soFar}
         </span>

@@ -15,6 +15,7 @@ import {
   videoSides,
   videoSize,
   mostKeyViews,
+  shortestAroundS,
   typedCycles,
   typedSeconds,
   usualCycles,
@@ -87,7 +88,7 @@ export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
   };
   const submit = async () => {
     const scene = session.editor.scene.value;
-    const seconds = typedSeconds(entries.seconds);
+    const seconds = typedSeconds(entries.seconds, shortestOf(kind));
     const cycles = typedCycles(entries.cycles, fewestCycles(kind), mostCyclesOf(seconds, entries.rate));
     const chosen = entries.views.filter((view) => view.taken);
     setFaults(scene ? entryFaults(kind, seconds, cycles, chosen, entries.rate) : noFaults);
@@ -128,6 +129,7 @@ export function useVideoForm({ session, kind, onExport }: VideoFormProps) {
 const hasWrongViews = (kind: VideoFormProps["kind"], chosen: readonly KeyView[]): boolean =>
   kind === "tour" && (chosen.length < 2 || chosen.length > mostKeyViews);
 
+const shortestOf = (kind: VideoFormProps["kind"]): number => (kind === "around" ? shortestAroundS : 1);
 /** A video whose camera stands still must play the phases. */
 const fewestCycles = (kind: VideoFormProps["kind"]): number => (kind === "phases" ? 1 : 0);
 /** A video needs at least one frame per cycle. */
@@ -140,7 +142,7 @@ function entryFaults(
   chosen: readonly KeyView[],
   rate: string,
 ): Faults {
-  if (seconds === null) return { ...noFaults, seconds: t.take.wrongSeconds(longestVideoS) };
+  if (seconds === null) return { ...noFaults, seconds: t.take.wrongSeconds(shortestOf(kind), longestVideoS) };
   if (cycles === null)
     return { ...noFaults, cycles: t.phases.wrongCycles(fewestCycles(kind), mostCyclesOf(seconds, rate)) };
   return hasWrongViews(kind, chosen) ? { ...noFaults, form: t.take.wrongViews(mostKeyViews) } : noFaults;

@@ -1,6 +1,14 @@
 import { expect, test } from "vitest";
 import { someScene } from "../../../scene/testing";
-import { renderingSeconds, videoOrder, videoSize, typedCycles, typedSeconds, usualCycles } from "./video_size";
+import {
+  renderingSeconds,
+  shortestAroundS,
+  videoOrder,
+  videoSize,
+  typedCycles,
+  typedSeconds,
+  usualCycles,
+} from "./video_size";
 
 test("a video has the aspect ratio of the screen and even sides within the limits", () => {
   expect(videoSize({ width: 1024, height: 768 }, 1280)).toEqual({ width: 1280, height: 960 });
@@ -39,6 +47,7 @@ test("the length accepts only whole seconds within the limits", () => {
   expect(typedSeconds(" 8 ")).toBe(8);
   expect(typedSeconds("60")).toBe(60);
   for (const text of ["0", "61", "-1", "1.5", "", "1e1", "0x8", "999999"]) expect(typedSeconds(text), text).toBeNull();
+  expect([typedSeconds("11", shortestAroundS), typedSeconds("12", shortestAroundS)]).toEqual([null, 12]);
 });
 
 test("the number of frames is the length times the frame rate", () => {

@@ -28,10 +28,16 @@ export function videoSize(screen: Viewport, longest: number): Viewport {
   return { width: even(width), height: even(height) };
 }
 
+/**
+ * The shortest video of "Show me around". It turns once around: by at most 3 degrees per frame at 10 frames per second, as
+ * between two pictures on the screen.
+ */
+export const shortestAroundS = 12;
+
 /** Parses whole seconds. Returns null if they are out of bounds. */
-export function typedSeconds(text: string): number | null {
+export function typedSeconds(text: string, least = 1): number | null {
   const seconds = /^\d{1,3}$/.test(text.trim()) ? Number(text) : 0;
-  return seconds >= 1 && seconds <= longestVideoS ? seconds : null;
+  return seconds >= least && seconds <= longestVideoS ? seconds : null;
 }
 
 /** The shortest and the longest likely duration in seconds. */
