@@ -91,8 +91,7 @@ export const slices: Texts["slices"] = {
     undo: "Letzten Punkt der Kurve entfernen",
     clear: "Kurve löschen",
     full: "Die Kurve hat die Höchstzahl von 64 Punkten.",
-    noMeasures:
-      "Durch das Strecken wird gedehnt oder gestaucht, was neben der Kurve liegt. Messen Sie deshalb in den anderen Schichten. Die Stelle entlang der Kurve ist auf ihrer Mittellinie genau.",
+    noMeasures: "Das Strecken verzerrt, was neben der Kurve liegt. Messen Sie deshalb in den anderen Schichten.",
   },
   scale: (length) => `Maßstab: ${length}`,
   millimetres: (mm) => `${String(mm).replace(".", ",")} mm`,

@@ -93,8 +93,7 @@ export const slices = {
     undo: "Remove the last point of the curve",
     clear: "Delete the curve",
     full: "The curve has the maximum of 64 points.",
-    noMeasures:
-      "Straightening stretches or squeezes what lies beside the curve, so measure in the other slices. The position along the curve is exact on its middle line.",
+    noMeasures: "Straightening stretches or squeezes what lies beside the curve, so measure in the other slices.",
   },
   scale: (length: string) => `Scale: ${length}`,
   millimetres: (mm: number) => `${mm} mm`,
