@@ -15,6 +15,10 @@ namespace {
 Result<std::vector<std::int16_t>> read_slice(const volume::Volume& volume,
                                              const volume::SliceStack& stack, const SliceDue& due,
                                              const std::optional<v1::Clip>& clip) {
+  if (due.curved) {
+    if (!clip) return volume::sample(volume, *due.curved);
+    return volume::sample_clipped(volume, *due.curved, kept_by(volume.header, *clip));
+  }
   if (!clip) {
     return due.oblique ? volume::sample(volume, *due.oblique)
                        : volume::slice_of(volume, stack, due.index);
@@ -24,12 +28,24 @@ Result<std::vector<std::int16_t>> read_slice(const volume::Volume& volume,
                      : volume::clipped_slice_of(volume, stack, due.index, kept);
 }
 
+/// Returns the values of a second scan at the pixels of a slice with these values.
+std::vector<std::int16_t> read_second(const volume::Volume& first, const volume::SliceStack& stack,
+                                      const SliceDue& due, const volume::Volume& second,
+                                      const volume::Matrix& to_first,
+                                      const std::vector<std::int16_t>& values) {
+  if (due.curved) return volume::second_slice(first.header, *due.curved, second, to_first, values);
+  const auto pixels =
+      due.oblique ? volume::pixels_of(*due.oblique) : volume::pixels_of(stack, due.index);
+  return volume::second_slice(first.header, pixels, second, to_first, values);
+}
+
 /// Returns the encoded labels of a slice with these values, or an empty string.
 std::string read_labels(const volume::Volume& volume, const volume::SliceStack& stack,
                         const SliceOrder& order, const std::vector<std::int16_t>& values) {
   if (volume.label_set.empty()) return {};
   const SliceDue& due = order.due;
   const auto labels_of = [&](const volume::ClippedSlice* clipped) {
+    if (due.curved) return volume::labels_of_slice(volume, *due.curved, clipped);
     return due.oblique ? volume::labels_of_slice(volume, *due.oblique, clipped)
                        : volume::labels_of_slice(volume, stack, due.index, clipped);
   };
@@ -102,10 +118,8 @@ void LiveSession::carry_out(effect::CodeSlice& effect) {
     auto values = read_slice(first, effect.stack, order.due, order.clip);
     SliceCoded coded{effect.connection, order, {}};
     if (values && second) {
-      const auto pixels = order.due.oblique ? volume::pixels_of(*order.due.oblique)
-                                            : volume::pixels_of(effect.stack, order.due.index);
-      coded.second = code_slice(volume::second_slice(first.header, pixels, second->volume(),
-                                                     facts->to_first, *values))
+      coded.second = code_slice(read_second(first, effect.stack, order.due, second->volume(),
+                                            facts->to_first, *values))
                          .value_or("");
     }
     if (values && effect.with_labels) {

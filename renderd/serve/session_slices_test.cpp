@@ -26,6 +26,22 @@ struct Viewer : TestViewer {
     request.set_taken(taken);
     say(message);
   }
+  void want_curved(double x) {
+    v1::ClientMessage message;
+    v1::CurvedSlice& curved = *message.mutable_slices()->add_slices()->mutable_curved();
+    curved.set_id(5);
+    curved.set_columns(3);
+    curved.set_rows(4);
+    // From the front to the back, through the centres of voxels.
+    for (const double y : {-0.5, 1.5}) {
+      v1::Vec3& point = *curved.add_points();
+      point.set_x(x);
+      point.set_y(y);
+    }
+    curved.set_pixel(1);
+    message.mutable_slices()->set_taken(taken);
+    say(message);
+  }
   void let_guests_see_slices(bool on) {
     v1::ClientMessage message;
     message.mutable_guest_slices()->set_on(on);
@@ -125,6 +141,59 @@ TEST_F(SessionSlicesTest, HaveTheLabelsOfTheStoredVoxels) {
   const auto without = one.slice();
   ASSERT_TRUE(without);
   EXPECT_EQ(without->labels(), "");
+}
+
+TEST_F(SessionSlicesTest, CurvedSlicesInterpolateTheStoredVoxels) {
+  volume::LabelSet set{{{3, "Lung", {}}}, {{6, 5, 4}, {}}};
+  set.labels.voxels.assign(6 * 5 * 4, 1);
+  ASSERT_TRUE(volume::write_label_set(volume::encode(set), store.path + "/" + id));
+  Viewer one = attach(new_id());
+  one.want_curved(0);
+  const auto curved = one.slice();
+  ASSERT_TRUE(curved);
+  EXPECT_EQ(curved->curved(), 5U);
+  ASSERT_EQ(curved->columns(), 3U);
+  ASSERT_EQ(curved->rows(), 4U);
+  const auto values = values_of(*curved);
+  for (std::size_t column = 0; column < 3; ++column) {
+    for (std::size_t row = 0; row < 4; ++row) {
+      // The curve runs through the middle (x from 2 to 4, y = 2, z = 1.5). Rows lead to the feet
+      // and lie 1 mm apart between voxels of 3 mm.
+      const double z = 1.5 - (double(row) - 1.5) / 3;
+      const double between = 7 * (double(column) + 2 + 6 * (2 + 5 * z)) - 500;
+      EXPECT_NEAR(values[row * 3 + column], between, 0.5 + 1e-9) << column << " " << row;
+    }
+  }
+  EXPECT_EQ(labels_of(*curved), std::vector<std::uint8_t>(12, 1));
+}
+
+TEST_F(SessionSlicesTest, GuestsGetCurvedSlicesOnlyIfALinkAllowsAllSlicesAndClipped) {
+  const std::string session = new_id();
+  Viewer owner;
+  const v1::Config config = enter(owner, open_message(session, id));
+  Viewer follower = attach(session, new_id()), wide;
+  v1::Open open = open_message(session, id, new_id());
+  open.set_slices(true);
+  enter(wide, open);
+  follower.want_curved(0);
+  EXPECT_EQ(follower.problem()->code(), "forbidden");
+  owner.let_guests_see_slices(true);
+  owner.show_slices(true);
+  follower.want_curved(0);
+  follower.want({{v1::AXIAL, 1}});
+  const auto shown = follower.slice();
+  ASSERT_TRUE(shown);
+  EXPECT_EQ(shown->curved(), 0U) << "only what the presenter shows";
+  v1::Scene scene = config.scene();
+  v1::Clip::Plane& plane = *scene.mutable_clip()->add_planes();
+  plane.mutable_point();
+  plane.mutable_normal()->set_x(1);  // removes the patient's left half
+  owner.say(scene_message(1, scene));
+  wide.want_curved(4);
+  const auto clipped = wide.slice();
+  ASSERT_TRUE(clipped);
+  EXPECT_EQ(clipped->curved(), 5U);
+  EXPECT_EQ(values_of(*clipped), std::vector<std::int16_t>(12, volume::kBlank));
 }
 
 TEST_F(SessionSlicesTest, EachViewerGetsOnlyItsOwnSlices) {

@@ -60,6 +60,7 @@ constexpr double kHalf = 0.5 + 1e-6;
 }  // namespace
 
 bool ShownSlices::contains(const volume::SliceStack& stack, const SliceDue& due) const {
+  if (due.curved) return false;  // presenters do not share their curve
   const bool has_plane = layout == v1::SliceView::FOUR ||
                          (layout == v1::SliceView::SLICE && plane == to_proto(stack.plane));
   if (!has_plane) return false;

@@ -39,18 +39,45 @@ volume::ObliqueSlice oblique_of(const v1::ObliqueSlice& message) {
   return slice;
 }
 
+/// Reads what a viewer requests. The numbers are not checked yet.
+volume::CurvedSlice curved_of(const v1::CurvedSlice& message) {
+  volume::CurvedSlice slice;
+  slice.id = message.id();
+  slice.columns = message.columns();
+  slice.rows = message.rows();
+  for (const v1::Vec3& point : message.points()) slice.points.push_back(vector_of(point));
+  slice.pixel = message.pixel();
+  slice.angle = message.angle();
+  slice.thickness = message.thickness();
+  slice.projection = projection_of(message.projection());
+  if (slice.columns == 0) slice.columns = volume::columns_along(slice.points, slice.pixel);
+  return slice;
+}
+
+Result<SliceDue> curved_due_of(const v1::CurvedSlice& message, const volume::Header& header) {
+  if (message.id() == 0) {
+    return fail(ErrorCode::kInvalid, "A curved slice needs an ID.", "curved.id");
+  }
+  SliceDue due;
+  due.curved = curved_of(message);
+  if (const auto checked = volume::check(header, *due.curved); !checked) {
+    return fail(checked.error().code, checked.error().message, "curved." + checked.error().field);
+  }
+  return due;
+}
+
 Result<SliceDue> due_of(const v1::SliceRequest::At& at, std::size_t plane,
                         const SliceStacks& stacks, const volume::Header& header) {
   if (!at.has_oblique()) {
     if (at.index() >= stacks.at(plane).slices) {
       return fail(ErrorCode::kInvalid, "This slice does not exist.", "index");
     }
-    return SliceDue{plane, at.index(), std::nullopt};
+    return SliceDue{plane, at.index(), std::nullopt, std::nullopt};
   }
   if (at.oblique().id() == 0) {
     return fail(ErrorCode::kInvalid, "An oblique slice needs an ID.", "oblique.id");
   }
-  SliceDue due{plane, at.index(), oblique_of(at.oblique())};
+  SliceDue due{plane, at.index(), oblique_of(at.oblique()), std::nullopt};
   if (const auto checked = volume::check(header, *due.oblique); !checked) {
     return fail(checked.error().code, checked.error().message, "oblique." + checked.error().field);
   }
@@ -59,25 +86,32 @@ Result<SliceDue> due_of(const v1::SliceRequest::At& at, std::size_t plane,
 
 }  // namespace
 
+std::uint64_t SliceDue::samples(const volume::Header& header) const {
+  if (curved) return volume::samples_of(header, *curved);
+  return oblique ? volume::samples_of(header, *oblique) : 0;
+}
+
 Result<void> SliceRequestQueue::replace(const v1::SliceRequest& request, const SliceStacks& stacks,
                                         const volume::Header& header) {
-  std::array<std::optional<SliceDue>, 3> requested;
+  std::array<std::optional<SliceDue>, kSlots> requested;
   for (int i = 0; i < request.slices_size(); ++i) {
     const std::string field = "slices[" + std::to_string(i) + "].";
     const v1::SliceRequest::At& at = request.slices(i);
     const auto plane = number_of(at.plane());
-    if (!plane || requested.at(*plane)) {
+    const std::size_t slot = at.has_curved() ? volume::kPlanes.size() : plane.value_or(kSlots);
+    if (slot >= kSlots || requested.at(slot)) {
       return fail(ErrorCode::kInvalid, "Request at most one slice per plane.", field + "plane");
     }
-    auto due = due_of(at, *plane, stacks, header);
+    auto due =
+        at.has_curved() ? curved_due_of(at.curved(), header) : due_of(at, slot, stacks, header);
     if (!due) return fail(due.error().code, due.error().message, field + due.error().field);
-    requested.at(*plane) = *std::move(due);
+    requested.at(slot) = *std::move(due);
   }
   // Ignores numbers that were never sent.
   if (request.taken() <= seq_) taken_ = std::max(taken_, request.taken());
-  for (std::size_t plane = 0; plane < requested.size(); ++plane) {
-    auto& one = requested.at(plane);
-    const Sent& sent = sent_.at(plane);
+  for (std::size_t slot = 0; slot < requested.size(); ++slot) {
+    auto& one = requested.at(slot);
+    const Sent& sent = sent_.at(slot);
     const bool is_in_flight = sent.seq > taken_ && one == sent.due;
     if (one == preparing_ || is_in_flight) one.reset();
   }
@@ -96,7 +130,7 @@ std::optional<SliceDue> SliceRequestQueue::take() {
 
 std::uint64_t SliceRequestQueue::depart() {
   ++seq_;
-  if (preparing_) sent_[preparing_->plane] = {seq_, *preparing_};
+  if (preparing_) sent_.at(preparing_->slot()) = {seq_, *preparing_};
   preparing_.reset();
   return seq_;
 }
@@ -104,8 +138,8 @@ std::uint64_t SliceRequestQueue::depart() {
 void SliceRequestQueue::give_up() { preparing_.reset(); }
 
 void SliceRequestQueue::put_back() {
-  if (preparing_ && !requested_[preparing_->plane]) {
-    requested_[preparing_->plane] = preparing_;
+  if (preparing_ && !requested_.at(preparing_->slot())) {
+    requested_.at(preparing_->slot()) = preparing_;
   }
   preparing_.reset();
 }

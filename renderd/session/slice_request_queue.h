@@ -6,6 +6,7 @@
 
 #include "api/proto/stream.pb.h"
 #include "common/result.h"
+#include "volume/curved_slice.h"
 #include "volume/oblique.h"
 #include "volume/slices.h"
 
@@ -15,15 +16,21 @@ using SliceStacks = std::array<volume::SliceStack, 3>;  ///< in the order of vol
 
 /// A slice to send to one viewer.
 struct SliceDue {
-  std::size_t plane = 0;  ///< number in volume::kPlanes
+  std::size_t plane = 0;  ///< number in volume::kPlanes; 0 for a curved slice
   std::uint32_t index = 0;
-  std::optional<volume::ObliqueSlice> oblique;  ///< nullopt: the slice of the stack
+  std::optional<volume::ObliqueSlice> oblique;
+  std::optional<volume::CurvedSlice> curved;  ///< nullopt for both: the slice of the stack
+
+  /// Returns the number of samples of an oblique or curved slice, or 0 for one of the stack.
+  std::uint64_t samples(const volume::Header& header) const;
+  /// Returns the place in a viewer's requests, of which there is one per plane and one curved.
+  std::size_t slot() const { return curved ? volume::kPlanes.size() : plane; }
 
   bool operator==(const SliceDue&) const = default;
 };
 
-/// The slice requests of one viewer: at most the newest of each plane, so that a slow connection
-/// never has a queue of them. Plain data and arithmetic.
+/// The slice requests of one viewer: at most the newest of each plane and of the curve, so that a
+/// slow connection never has a queue of them. Plain data and arithmetic.
 class SliceRequestQueue {
  public:
   static constexpr std::uint64_t kUnderWay = 3;  ///< sent, but not yet acknowledged
@@ -34,7 +41,7 @@ class SliceRequestQueue {
                        const volume::Header& header);
   /// Returns whether a slice can be taken now.
   bool ready() const { return !preparing_ && waiting() && seq_ - taken_ < kUnderWay; }
-  /// Returns the next slice to read and encode, in turn by plane. The next one can be taken after
+  /// Returns the next slice to read and encode, in turn by slot. The next one can be taken after
   /// this one was sent or given up.
   std::optional<SliceDue> take();
   /// Marks the taken slice as sent. Returns its sequence number, from 1.
@@ -53,8 +60,9 @@ class SliceRequestQueue {
     std::uint64_t seq = 0;
     SliceDue due;
   };
-  std::array<std::optional<SliceDue>, 3> requested_;
-  std::array<Sent, 3> sent_;  // the newest of each plane
+  static constexpr std::size_t kSlots = volume::kPlanes.size() + 1;
+  std::array<std::optional<SliceDue>, kSlots> requested_;  // by SliceDue::slot()
+  std::array<Sent, kSlots> sent_;                          // the newest of each
   std::optional<SliceDue> preparing_;
   std::size_t turn_ = 0;
   std::uint64_t seq_ = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <initializer_list>
+#include <string>
 #include <utility>
 
 namespace diaphane::render {
@@ -95,6 +96,56 @@ TEST_F(SliceRequestQueueTest, LimitsSlicesInPreparationAndInFlight) {
   EXPECT_EQ(sent(), kNone);
   ASSERT_TRUE(queue.replace(request_of({{v1::CORONAL, 2}}, 3), stacks, header));
   EXPECT_EQ(sent(), Leaves(1, 2));
+}
+
+/// Adds a slice along a line.
+v1::CurvedSlice& add_curved(v1::SliceRequest& request, std::uint32_t id) {
+  v1::CurvedSlice& curved = *request.add_slices()->mutable_curved();
+  curved.set_id(id);
+  curved.set_columns(5);
+  curved.set_rows(3);
+  curved.add_points()->set_x(-2);
+  curved.add_points()->set_x(2);
+  curved.set_pixel(1);
+  return curved;
+}
+
+TEST_F(SliceRequestQueueTest, SendsOneCurvedSliceBesideThePlanes) {
+  auto request = request_of({{v1::AXIAL, 5}});
+  add_curved(request, 7);
+  ASSERT_TRUE(queue.replace(request, stacks, header));
+  EXPECT_EQ(sent(), Leaves(0, 5));
+  const auto due = queue.take();
+  ASSERT_TRUE(due && due->curved);
+  EXPECT_EQ(due->curved->id, 7u);
+  EXPECT_EQ(due->samples(header), 15u);
+  ASSERT_TRUE(queue.replace(request, stacks, header));  // while it is made
+  EXPECT_FALSE(queue.waiting());
+  queue.put_back();
+  EXPECT_TRUE(queue.take());
+  queue.depart();
+  ASSERT_TRUE(queue.replace(request, stacks, header));  // while it is in transit
+  EXPECT_FALSE(queue.waiting());
+  request.mutable_slices(1)->mutable_curved()->set_angle(1);
+  ASSERT_TRUE(queue.replace(request, stacks, header));
+  EXPECT_TRUE(queue.waiting());
+}
+
+TEST_F(SliceRequestQueueTest, RefusesInvalidCurvedSlices) {
+  const auto refused = [&](const auto& change) {
+    auto request = request_of({});
+    change(request, add_curved(request, 7));
+    const auto replaced = queue.replace(request, stacks, header);
+    return replaced ? std::string("nothing") : replaced.error().field;
+  };
+  EXPECT_EQ(refused([](auto&, auto&) {}), "nothing");
+  EXPECT_EQ(refused([](auto&, auto& curved) { curved.set_id(0); }), "slices[0].curved.id");
+  EXPECT_EQ(refused([](auto&, auto& curved) { curved.clear_points(); }), "slices[0].curved.points");
+  EXPECT_EQ(refused([](auto&, auto& curved) { curved.set_columns(6); }),
+            "slices[0].curved.columns");
+  EXPECT_EQ(refused([](auto&, auto& curved) { curved.set_columns(0); }), "nothing")
+      << "the whole curve";
+  EXPECT_EQ(refused([](auto& request, auto&) { add_curved(request, 8); }), "slices[1].plane");
 }
 
 TEST_F(SliceRequestQueueTest, RequeuesReturnedSliceUnlessANewerIsRequested) {

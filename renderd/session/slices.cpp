@@ -40,10 +40,16 @@ v1::ServerMessage message_of(const volume::SliceStack& stack, std::uint64_t seq,
   v1::ServerMessage message;
   v1::ExactSlice& slice = *message.mutable_slice();
   slice.set_seq(seq);
-  slice.set_plane(to_proto(stack.plane));
-  slice.set_index(due.index);
-  slice.set_columns(due.oblique ? due.oblique->columns : stack.columns);
-  slice.set_rows(due.oblique ? due.oblique->rows : stack.rows);
+  if (due.curved) {
+    slice.set_columns(due.curved->columns);
+    slice.set_rows(due.curved->rows);
+    slice.set_curved(due.curved->id);
+  } else {
+    slice.set_plane(to_proto(stack.plane));
+    slice.set_index(due.index);
+    slice.set_columns(due.oblique ? due.oblique->columns : stack.columns);
+    slice.set_rows(due.oblique ? due.oblique->rows : stack.rows);
+  }
   slice.set_data(*std::move(coded.coded));
   slice.set_second(std::move(coded.second));
   slice.set_labels(std::move(coded.labels));
@@ -124,9 +130,8 @@ void Slices::take_next(Effects& effects, SessionState& state, std::uint64_t conn
   while (const auto due = receiver->slices.take()) {
     const volume::SliceStack& stack = (*stacks_)[due->plane];
     if (auto order = order_of(state, *receiver, stack, *due, now)) {
-      if (due->oblique) {
-        state.audience.slice_allowances.charge(receiver->participant, guest,
-                                               volume::samples_of(header_, *due->oblique));
+      if (const std::uint64_t samples = due->samples(header_); samples > 0) {
+        state.audience.slice_allowances.charge(receiver->participant, guest, samples);
       }
       effects.emplace_back(effect::CodeSlice{connection, *std::move(order), stack, voxels_, guest,
                                              may_know_labels(receiver->viewer)});

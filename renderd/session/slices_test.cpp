@@ -222,6 +222,83 @@ TEST_F(ObliqueSlicesTest, GuestsWithoutSlicesGetNone) {
   EXPECT_FALSE(gets(other, tilted()));
 }
 
+/// Requests a slice along a line, and the presenter shows axial slice 3.
+struct CurvedSlicesTest : ObliqueSlicesTest {
+  static v1::SliceRequest along(double angle = 0) {
+    v1::SliceRequest request;
+    v1::CurvedSlice& curved = *request.add_slices()->mutable_curved();
+    curved.set_id(9);
+    curved.set_columns(11);
+    curved.set_rows(7);
+    curved.add_points()->set_x(-5);
+    curved.add_points()->set_x(5);
+    curved.set_pixel(1);
+    curved.set_angle(angle);
+    return request;
+  }
+};
+
+TEST_F(CurvedSlicesTest, AreSentWithTheirOwnSizeAndId) {
+  slices.handle(SlicesRequested{connection, along()}, state, now);
+  const auto order = sole<CodeSlice>(load());
+  ASSERT_TRUE(order.order.due.curved);
+  EXPECT_FALSE(order.order.clip);
+  const auto sent = only<Send>(coded(order));
+  ASSERT_EQ(sent.size(), 1u);
+  const v1::ExactSlice& slice = sent[0].message.slice();
+  EXPECT_EQ(slice.curved(), 9u);
+  EXPECT_EQ(slice.plane(), v1::ANATOMICAL_PLANE_UNSPECIFIED);
+  EXPECT_EQ(slice.oblique(), 0u);
+  EXPECT_EQ(slice.columns(), 11u);
+  EXPECT_EQ(slice.rows(), 7u);
+}
+
+TEST_F(CurvedSlicesTest, GuestsWhoMayOnlySeeWhatIsShownGetNone) {
+  const std::uint64_t other = guest();
+  ask(connection, 3);
+  coded(sole<CodeSlice>(load()));
+  show(0);
+  v1::SliceRequest first;
+  first.add_slices()->set_plane(v1::AXIAL);
+  EXPECT_TRUE(gets(other, first));
+  EXPECT_FALSE(gets(other, along())) << "in the place of the first slice, which is shown";
+  show_tilted();
+  EXPECT_FALSE(gets(other, along()));
+  EXPECT_TRUE(gets(connection, along()));
+}
+
+TEST_F(CurvedSlicesTest, GuestsWithAllSlicesGetClippedOnes) {
+  JoinRequest join;
+  join.participant = "wide";
+  join.may_have_slices = true;
+  const std::uint64_t widened = attach(state, join, now)->connection;
+  clip_scene();
+  slices.handle(SlicesRequested{widened, along()}, state, now);
+  const auto order = sole<CodeSlice>(load());
+  ASSERT_TRUE(order.order.clip);
+  EXPECT_TRUE(order.order.clip->has_box_low());
+  EXPECT_TRUE(order.for_guest);
+}
+
+TEST_F(CurvedSlicesTest, CostTheirSamples) {
+  ask(connection, 3);
+  coded(sole<CodeSlice>(load()));
+  v1::SliceRequest large = along();
+  v1::CurvedSlice& curved = *large.mutable_slices(0)->mutable_curved();
+  curved.set_pixel(0.005);
+  curved.set_columns(2000);
+  curved.set_rows(2000);
+  // 4 million samples cost 15 slices, and 120 slices may be sent at once.
+  int sent = 0;
+  for (; sent < 100; ++sent) {
+    curved.set_angle(sent);
+    if (!gets(connection, large)) break;
+    large.set_taken(large.taken() + 1);
+  }
+  EXPECT_GE(sent, 6);
+  EXPECT_LE(sent, 9);
+}
+
 TEST_F(SlicesTest, SendsNothingToGuestsWithoutSliceAccess) {
   const std::uint64_t other = guest();
   ask(other, 3);

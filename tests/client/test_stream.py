@@ -79,9 +79,9 @@ class Renderer:
             at = asked.slices.slices[0]
             values = np.arange(6, dtype="<i2") - 3 + 1000 * at.index
             planes = values.view(np.uint8).reshape(6, 2).T.tobytes()
-            self.oblique = at.oblique
+            self.oblique, self.curved = at.oblique, at.curved
             self.say(slice=pb.ExactSlice(seq=asked.slices.taken + 1, plane=at.plane, index=at.index, columns=3, rows=2,
-                                         data=zlib.compress(planes), oblique=at.oblique.id))
+                                         data=zlib.compress(planes), oblique=at.oblique.id, curved=at.curved.id))
         elif kind == "file":
             assert asked.file.video.frames == 10
             self.say(file_progress=pb.FileProgress(done=0.5))
@@ -188,6 +188,16 @@ def test_an_oblique_slice_is_requested_by_its_directions(scan, renderer):
     assert tilted.right == pytest.approx((0.3, 0, 0.4)) and tilted.down == pytest.approx((0, -0.5, 0))
     assert tilted.first == pytest.approx((1 - 0.3, 1 + 0.25, 1 - 0.4))
     assert tilted.values.shape == (2, 3)
+
+
+def test_a_curved_slice_is_requested_by_its_points(scan, renderer):
+    with scan.session() as session:
+        straightened = session.curved([(0, 0, 0), (5, 1, 0), (9, 0, 2)], height=4, pixel=0.5, angle=30, thickness=2, projection="minimum")
+    asked = renderer.curved
+    assert [(one.x, one.y, one.z) for one in asked.points] == [(0, 0, 0), (5, 1, 0), (9, 0, 2)]
+    assert (asked.columns, asked.rows, asked.pixel, asked.angle, asked.thickness, asked.projection) == (0, 9, 0.5, 30, 2, pb.PROJECTION_MINIMUM)
+    assert straightened.plane == "curved" and straightened.first == (0, -2, 0) and straightened.right == (0.5, 0, 0)
+    assert straightened.values.shape == (2, 3)
 
 
 def test_a_film_is_saved_with_its_progress(scan, tmp_path):

@@ -87,7 +87,17 @@ class Browser {
     for (std::size_t sent = 0;; ++sent) {
       const auto due = queue_.take();
       if (!due) return;
-      MUST(sent < stacks.size());
+      MUST(sent <= stacks.size());
+      if (due->curved) {
+        MUST(volume::samples_of(ball().header, *due->curved) <= volume::kMostSamples);
+        volume::CurvedSlice part = *due->curved;
+        part.columns = std::min(part.columns, 8u);
+        part.rows = std::min(part.rows, 8u);
+        part.thickness = std::min(part.thickness, 16.0);
+        MUST(volume::sample(ball(), part).size() == std::size_t{part.columns} * part.rows);
+        queue_.depart();
+        continue;
+      }
       const volume::SliceStack& stack = stacks.at(due->plane);
       if (due->oblique) {
         MUST(volume::samples_of(ball().header, *due->oblique) <= volume::kMostSamples);

@@ -2,14 +2,16 @@ import { create, fromBinary, toBinary, equals, fromJsonString, toJsonString } fr
 import type { CameraPose } from "../input/camera";
 import { length, subtract, vec3, type Vec3 } from "../input/vec3";
 import { fullEffort, type Effort } from "../scene/effort";
+import type { CurvedSlice } from "../slices/curve_view";
 import type { Projection } from "../slices/oblique";
 import { placeOf, type Oblique, type Plane, type Stack } from "../slices/stack";
-import type { Coming, WantedSlice } from "../slices/store";
+import type { Coming, Cut, WantedSlice } from "../slices/store";
 import {
   AckSchema,
   AnatomicalPlane,
   ClientMessageSchema,
   Codec,
+  CurvedSliceSchema,
   DepthQuerySchema,
   EffortSchema,
   FreeCameraSchema,
@@ -186,10 +188,10 @@ export const projectionNumbers: Readonly<Record<Projection, ProjectionNumber>> =
 export function encodeSlices(lacking: readonly WantedSlice[], taken: bigint): Bytes {
   const value = create(SliceRequestSchema, {
     taken,
-    slices: lacking.map(({ plane, index, stack }) => ({
-      plane: planeNumbers[plane],
-      index,
+    slices: lacking.map(({ plane, index, stack, curved }) => ({
+      ...(plane === "curve" ? {} : { plane: planeNumbers[plane], index }),
       ...(stack?.oblique ? { oblique: obliqueOf(stack, stack.oblique, index) } : {}),
+      ...(curved ? { curved: curvedOf(curved) } : {}),
     })),
   });
   return encoded(create(ClientMessageSchema, { body: { case: "slices", value } }));
@@ -207,10 +209,23 @@ const obliqueOf = (stack: Stack, { id, slab }: Oblique, slice: number) =>
     projection: projectionNumbers[slab.projection],
   });
 
+const curvedOf = ({ id, points, angle, slab, pixel, grid }: CurvedSlice) =>
+  create(CurvedSliceSchema, {
+    id,
+    columns: grid.columns,
+    rows: grid.rows,
+    points: points.map((point) => create(Vec3Schema, point)),
+    pixel,
+    angle,
+    thickness: slab.mm,
+    projection: projectionNumbers[slab.projection],
+  });
+
 /** Returns null if the slice belongs to a plane that this page does not know. */
-export function comingSlice({ plane, data, second, labels, oblique, ...rest }: ExactSlice): Coming | null {
+export function comingSlice({ plane, data, second, labels, curved, ...rest }: ExactSlice): Coming | null {
   const { seq, index, columns, rows } = rest;
-  const known = planeOf(plane);
+  const oblique = curved || rest.oblique;
+  const known: Cut | null = curved ? "curve" : planeOf(plane);
   if (!known) return null;
   const coming = { seq, plane: known, index, columns, rows, data: data as Uint8Array<ArrayBuffer> };
   return {

@@ -1,5 +1,6 @@
 import { isNumber, isPoint, type Vec3 } from "../input/vec3";
 import { clamp } from "../scene/numbers";
+import { curveFrom, type RememberedCurve } from "./curve_view";
 import { firstLabels, type LabelSetting } from "./label_overlay";
 import { isWhole, measureKinds, type Measure, type MeasureKind } from "./measure";
 import { slabFrom, tiltFrom, type Slab, type Tilt } from "./oblique";
@@ -26,6 +27,7 @@ export interface RememberedSlices {
   readonly labels: LabelSetting;
   readonly tilt: Tilt | null;
   readonly slab: Slab;
+  readonly curve: RememberedCurve;
 }
 
 /** Maximum number of measurements to remember. The newest are kept. */
@@ -80,6 +82,7 @@ export function slicesFromText(text: string | null): RememberedSlices | null {
       labels: labelsFrom(value.labels),
       tilt: tiltFrom(value.tilt),
       slab: slabFrom(value.slab),
+      curve: curveFrom(value.curve),
     };
   } catch {
     return null;

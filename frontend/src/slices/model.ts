@@ -2,13 +2,13 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { add, scale, vec3, type Vec3 } from "../input/vec3";
 import { clamp } from "../scene/numbers";
 import { inflate } from "./coding";
+import { CurveView, noCurve, type CurvedSlice } from "./curve_view";
 import { firstLabels, labelTable, showsLabels, type LabelSetting } from "./label_overlay";
 import { lookColours } from "./look_colours";
 import {
   handleNear,
   isInSlice,
   isWhole,
-  measureKinds,
   withCorner,
   withHandle,
   withLastPoint,
@@ -21,38 +21,18 @@ import {
 import { firstOverlay, type OverlaySetting, type RememberedSlices } from "./memory";
 import { noSlab, obliqueStack, slabLimits, straightTilt, turned, type Slab, type Tilt } from "./oblique";
 import { carried, wholeSlice, type Placing } from "./placing";
-import { joined, mostPresented, type PresentedSlices, type Shown } from "./presented";
+import { joined, mostPresented, type OwnView, type PresentedSlices, type Shown } from "./presented";
 import type { Labels_Label as Label } from "../protocol/gen/api/proto/stream_pb";
 import { heldWithin, inSlice, offsetOf, pixelOf, planes, type Plane, type Stack } from "./stack";
 import { SecondOverlay, type SecondValue } from "./second_overlay";
 import { noSources, type SliceSources } from "./sources";
 import { SliceStore, type Coming, type StoreParts, type Voxels } from "./store";
-import { bounded, firstWindow, tableOf, type Window } from "./window";
+import type { Access, Tool } from "./tools";
+import { bounded, firstWindow, tableOf, type ScanHeader, type Window } from "./window";
 
-/** The tools for the left button or one finger. */
-export const tools = ["window", "crosshair", "tilt", ...measureKinds] as const;
-export type Tool = (typeof tools)[number];
+export type { Access, Shown, Tool };
 
-export type { Shown };
-
-type Header = Parameters<typeof firstWindow>[0] & {
-  readonly contentHash: string;
-  readonly spacing: readonly number[];
-};
 const middle = vec3(0, 0, 0);
-
-/** The view to which a viewer returns after following someone else. */
-interface OwnView {
-  readonly remembered: RememberedSlices;
-  readonly shown: Shown;
-  readonly placings: Partial<Record<Plane, Placing>>;
-}
-
-/**
- * The slices that the server sends to this viewer. They are blank outside the clip unless they are `whole`. A viewer
- * who gets only the `shown` ones follows the presenter.
- */
-export type Access = "none" | "shown" | "clipped" | "whole";
 
 /** The state of the slice views. It persists while views open and close. */
 export class Slices {
@@ -123,6 +103,12 @@ export class Slices {
 
   /** The second scan of the session over the first. */
   readonly second: SecondOverlay;
+  /** The curve that this viewer draws, which is not presented. */
+  readonly curve = new CurveView({ slab: this.slab, spacing: () => this.spacing });
+  /** Whether the slice along the curve is shown. */
+  readonly curveShown = computed(
+    () => this.canDraw() && (this.tool.value === "curve" || this.curve.path.value !== null),
+  );
 
   private readonly store: SliceStore;
   private readonly stopEffect: () => void;
@@ -158,6 +144,7 @@ export class Slices {
         const visible = stack && (this.view.value === "four" || this.view.value === plane);
         this.store.show(plane, visible ? pixelOf(stack, this.crosshair.value).slice : null, stack);
       }
+      this.store.showCurved(this.curveShown.value ? this.curve.slice.value : null);
     });
   }
 
@@ -165,7 +152,7 @@ export class Slices {
    * Takes over the stacks of a new connection. Everything is reset if they belong to another
    * volume.
    */
-  configured(stacks: readonly Stack[], header: Header | undefined): void {
+  configured(stacks: readonly Stack[], header: ScanHeader | undefined): void {
     this.damaged.value = false;
     // Without the volume's hash, the page requests its slices again after each reconnection.
     const volume = header && (header.contentHash || JSON.stringify(stacks));
@@ -178,6 +165,7 @@ export class Slices {
       this.first = firstWindow(header);
       this.knowsRange = header.windowWidth > 0 || header.percentiles.length > 0;
       this.reset();
+      this.curve.restore(noCurve);
       if (this.before?.volume === volume) this.restore(this.before);
       this.before = null;
     }
@@ -229,10 +217,25 @@ export class Slices {
     return this.voxels(stack) ?? (stack.oblique ? before() : null);
   }
 
+  /** Curves belong to viewers who choose their own slices. */
+  private canDraw(): boolean {
+    return this.access.value !== "shown" && !this.following.value && this.view.value !== "picture";
+  }
+
+  /** Returns the values of the slice along the curve. While it has not arrived, `drawn` returns the one before. */
+  curveVoxels({ id, grid }: CurvedSlice, drawn = false): Voxels | null {
+    const exact = this.received.value >= 0 ? this.store.get({ plane: "curve", index: 0, oblique: id }) : null;
+    return exact ?? (drawn ? this.store.newestOblique("curve", grid.columns * grid.rows) : null);
+  }
+
+  /** Returns the label at a place in the list of labels, from 1. */
+  labelOf(place: number | undefined): Label | null {
+    return this.labelList.value[(place ?? 0) - 1] ?? null;
+  }
+
   /** Returns the label at a point of the shown slice, also while its colour is not shown. */
   labelAt(stack: Stack, place: Vec3): Label | null {
-    const found = this.voxels(stack)?.labels?.[offsetOf(stack, place)] ?? 0;
-    return this.labelList.value[found - 1] ?? null;
+    return this.labelOf(this.voxels(stack)?.labels?.[offsetOf(stack, place)]);
   }
 
   /** Returns the value of the second scan at a point of the shown slice, or null outside of that scan. */
@@ -377,6 +380,7 @@ export class Slices {
       labels: this.labels.value,
       tilt: this.tilt.value,
       slab: this.slab.value,
+      curve: this.curve.remembered(),
     };
   }
 
@@ -469,9 +473,11 @@ export class Slices {
     this.following.value = false;
   }
 
-  private restore({ open, crosshair, window, measures, smooth, overlay, labels, tilt, slab }: RememberedSlices): void {
-    this.tilt.value = tilt;
-    this.slab.value = slab;
+  private restore(remembered: RememberedSlices): void {
+    const { open, crosshair, window, measures, smooth, overlay, labels } = remembered;
+    this.tilt.value = remembered.tilt;
+    this.slab.value = remembered.slab;
+    this.curve.restore(remembered.curve);
     const axial = this.stacks.value.get("axial");
     if (axial) this.pointAt(axial, crosshair);
     this.setWindow(window);

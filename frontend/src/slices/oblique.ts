@@ -22,8 +22,8 @@ export const noSlab: Slab = { mm: 0, projection: "mean" };
 export const slabLimits = { low: 0, high: 100 } as const;
 
 /** Limits of the server (volume/oblique.h). */
-const mostSide = 2048;
-const mostSamples = 2 ** 25;
+export const mostSide = 2048;
+export const mostSamples = 2 ** 25;
 
 /** Returns the directions of the server's stacks, which lie along the patient's axes. */
 export function straightTilt(stacks: ReadonlyMap<Plane, Stack>): Tilt | null {

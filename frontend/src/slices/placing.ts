@@ -1,7 +1,7 @@
 import type { Area, Point } from "../input/flat";
 import { length } from "../input/vec3";
 import { clamp } from "../scene/numbers";
-import { pixelSize, type Stack } from "./stack";
+import { pixelSize, type Grid } from "./stack";
 
 /**
  * How a slice is placed in its view. With `zoom` 1, all of it is visible. The given pixel is in the middle of the view.
@@ -14,25 +14,25 @@ export interface Placing {
 
 export const zoomLimits = { low: 0.5, high: 40 } as const;
 
-export const wholeSlice = (stack: Stack): Placing => ({
+export const wholeSlice = (stack: Grid): Placing => ({
   zoom: 1,
   column: (stack.columns - 1) / 2,
   row: (stack.rows - 1) / 2,
 });
 
 /** Returns the pixels of the view per mm. A margin stays free for the letters at the edges. */
-export function perMm(stack: Stack, placing: Placing, area: Area): number {
+export function perMm(stack: Grid, placing: Placing, area: Area): number {
   const { width, height } = stack.oblique?.fit ?? sizeOf(stack);
   return 0.94 * placing.zoom * Math.max(1e-6, Math.min(area.width / width, area.height / height));
 }
 
-const sizeOf = (stack: Stack) => ({
+const sizeOf = (stack: Grid) => ({
   width: stack.columns * length(stack.right),
   height: stack.rows * length(stack.down),
 });
 
 /** Returns the same place of a slice in a stack with other pixels. Both are centred at the same point. */
-export function carried(placing: Placing, from: Stack, to: Stack): Placing {
+export function carried(placing: Placing, from: Grid, to: Grid): Placing {
   const middles = { from: wholeSlice(from), to: wholeSlice(to) };
   const [a, b] = [pixelSize(from), pixelSize(to)];
   return {
@@ -47,7 +47,7 @@ interface Flat {
   readonly row: number;
 }
 
-export function pointOf(stack: Stack, placing: Placing, area: Area, { column, row }: Flat): Point {
+export function pointOf(stack: Grid, placing: Placing, area: Area, { column, row }: Flat): Point {
   const mm = perMm(stack, placing, area);
   const { width, height } = pixelSize(stack);
   return {
@@ -56,7 +56,7 @@ export function pointOf(stack: Stack, placing: Placing, area: Area, { column, ro
   };
 }
 
-export function pixelAt(stack: Stack, placing: Placing, area: Area, { x, y }: Point): Flat {
+export function pixelAt(stack: Grid, placing: Placing, area: Area, { x, y }: Point): Flat {
   const mm = perMm(stack, placing, area);
   const { width, height } = pixelSize(stack);
   return {
@@ -65,14 +65,14 @@ export function pixelAt(stack: Stack, placing: Placing, area: Area, { x, y }: Po
   };
 }
 
-const held = (stack: Stack, { zoom, column, row }: Placing): Placing => ({
+const held = (stack: Grid, { zoom, column, row }: Placing): Placing => ({
   zoom,
   column: clamp(column, 0, stack.columns - 1),
   row: clamp(row, 0, stack.rows - 1),
 });
 
 /** Zooms and keeps the point under `at` in place. */
-export function zoomed(stack: Stack, placing: Placing, area: Area, factor: number, at: Point): Placing {
+export function zoomed(stack: Grid, placing: Placing, area: Area, factor: number, at: Point): Placing {
   const zoom = clamp(placing.zoom * factor, zoomLimits.low, zoomLimits.high);
   const fixed = pixelAt(stack, placing, area, at);
   const moved = pixelAt(stack, { ...placing, zoom }, area, at);
@@ -84,7 +84,7 @@ export function zoomed(stack: Stack, placing: Placing, area: Area, factor: numbe
 }
 
 /** Moves the slice with the pointer by a distance in the view. */
-export function panned(stack: Stack, placing: Placing, area: Area, right: number, down: number): Placing {
+export function panned(stack: Grid, placing: Placing, area: Area, right: number, down: number): Placing {
   const from = pixelAt(stack, placing, area, { x: 0, y: 0 });
   const to = pixelAt(stack, placing, area, { x: right, y: down });
   return held(stack, {

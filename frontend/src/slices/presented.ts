@@ -1,5 +1,6 @@
 import type { Vec3 } from "../input/vec3";
 import type { Measure } from "./measure";
+import type { RememberedSlices } from "./memory";
 import type { Slab, Tilt } from "./oblique";
 import type { Placing } from "./placing";
 import type { Plane } from "./stack";
@@ -22,6 +23,13 @@ export interface PresentedSlices {
   readonly tilt: Tilt | null;
   readonly slab: Slab;
   readonly placings: Readonly<Partial<Record<Plane, Placing>>>;
+}
+
+/** The view to which a viewer returns after following someone else. */
+export interface OwnView {
+  readonly remembered: RememberedSlices;
+  readonly shown: Shown;
+  readonly placings: Partial<Record<Plane, Placing>>;
 }
 
 /** Maximum number of measurements that are presented, the newest ones. The server refuses more. */

@@ -19,6 +19,9 @@ export interface Stack {
   readonly oblique?: Oblique;
 }
 
+/** The pixels of slices, whatever plane they show. */
+export type Grid = Omit<Stack, "plane">;
+
 /** What is known of slices in another direction, or with a thickness. */
 export interface Oblique {
   /** A number that identifies the direction and the slab. */
@@ -81,7 +84,7 @@ export const heldWithin = (stack: Stack, place: Vec3): Vec3 => placeOf(stack, pi
 
 /** Returns the size of a pixel and the distance of the slices in mm. */
 export const pixelSize = (
-  stack: Stack,
+  stack: Grid,
 ): { readonly width: number; readonly height: number; readonly thickness: number } => ({
   width: length(stack.right),
   height: length(stack.down),

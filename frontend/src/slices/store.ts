@@ -1,16 +1,22 @@
 import { labelsOf, valuesOf } from "./coding";
+import type { CurvedSlice } from "./curve_view";
 import { planes, type Plane, type Stack } from "./stack";
 
+/** What a slice shows: a plane, or the surface along the curve. */
+const cuts = [...planes, "curve"] as const;
+export type Cut = (typeof cuts)[number];
+
 export interface SliceId {
-  readonly plane: Plane;
+  readonly plane: Cut;
   readonly index: number;
-  /** `Oblique.id`. Absent for a stored slice. */
+  /** `Oblique.id` or `CurvedSlice.id`. Absent for a stored slice. */
   readonly oblique?: number | undefined;
 }
 
-/** A slice that is requested. The stack says where an oblique one lies. */
+/** A slice that is requested. The stack says where an oblique one lies, and `curved` where one along the curve does. */
 export interface WantedSlice extends SliceId {
   readonly stack?: Stack | undefined;
+  readonly curved?: CurvedSlice;
 }
 
 /** A slice as it arrives. */
@@ -54,9 +60,9 @@ const key = ({ plane, index, oblique }: SliceId): string => `${plane} ${index} $
 
 /** Requests and caches the slices on the screen. Only the newest request per plane counts. */
 export class SliceStore {
-  private readonly shown = new Map<Plane, WantedSlice>();
-  /** The newest oblique slice of each plane. */
-  private readonly newest = new Map<Plane, Voxels>();
+  private readonly shown = new Map<Cut, WantedSlice>();
+  /** The newest resampled slice of each plane and of the curve. */
+  private readonly newest = new Map<Cut, Voxels>();
   /** Cached slices, the least recently used first. */
   private readonly kept = new Map<string, Voxels>();
   private readonly beingRead = new Set<string>();
@@ -69,8 +75,16 @@ export class SliceStore {
 
   /** Shows a slice of a plane, or none if `index` is null. */
   show(plane: Plane, index: number | null, stack?: Stack): void {
+    this.replace(plane, index === null ? undefined : { plane, index, oblique: stack?.oblique?.id, stack });
+  }
+
+  /** Shows the slice along the curve, or none. */
+  showCurved(curved: CurvedSlice | null): void {
+    this.replace("curve", curved ? { plane: "curve", index: 0, oblique: curved.id, curved } : undefined);
+  }
+
+  private replace(plane: Cut, slice: WantedSlice | undefined): void {
     const before = this.shown.get(plane);
-    const slice = index === null ? undefined : { plane, index, oblique: stack?.oblique?.id, stack };
     if (before?.index === slice?.index && before?.oblique === slice?.oblique) return;
     if (slice) this.shown.set(plane, slice);
     else this.shown.delete(plane);
@@ -88,10 +102,10 @@ export class SliceStore {
   }
 
   /**
-   * Returns the newest oblique slice of a plane, which is shown until the next one arrives, so that a view that is turned
-   * does not flicker.
+   * Returns the newest resampled slice of a plane or of the curve, which is shown until the next one arrives, so that a
+   * view that is turned does not flicker.
    */
-  newestOblique(plane: Plane, pixels: number): Voxels | null {
+  newestOblique(plane: Cut, pixels: number): Voxels | null {
     const voxels = this.newest.get(plane);
     return voxels?.values.length === pixels ? voxels : null;
   }
@@ -134,7 +148,7 @@ export class SliceStore {
   }
 
   private lacking(): WantedSlice[] {
-    return planes.flatMap((plane) => {
+    return cuts.flatMap((plane) => {
       const slice = this.shown.get(plane);
       if (!slice) return [];
       return this.kept.has(key(slice)) || this.beingRead.has(key(slice)) ? [] : [slice];

@@ -75,6 +75,9 @@ interface Known {
   readonly percentiles: readonly number[];
 }
 
+/** What the slices read of the header of a volume. */
+export type ScanHeader = Known & { readonly contentHash: string; readonly spacing: readonly number[] };
+
 /** Returns the window stored in the scan, or one that covers nearly all of its values. */
 export function firstWindow({ windowCenter, windowWidth, minimum, maximum, percentiles }: Known): Window {
   if (windowWidth > 0) return bounded({ centre: windowCenter, width: windowWidth });

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self, TypeVar
@@ -186,7 +186,27 @@ class Session:
         return Slice(values=pixels_of(got), plane="oblique", index=0,
                      first=_triple(wanted.first), right=_triple(wanted.right), down=_triple(wanted.down))
 
-    #: ID of the newest oblique slice.
+    def curved(self, points: Sequence[Vector], height: float = 60, pixel: float = 1, angle: float = 0, thickness: float = 0,
+               projection: Projection = "mean") -> Slice:
+        """Returns a slice that is straightened along a smooth curve through points, such as along a vessel or the jaw.
+
+        The columns follow the arc length from the first point, and the middle row lies on the curve. `angle` turns the slice
+        about the curve, in degrees. `first`, `right` and `down` of the result are in mm along and across the curve.
+        """
+        self._oblique += 1
+        rows = 2 * int(height / pixel / 2) + 1
+        wanted = pb.CurvedSlice(id=self._oblique, rows=rows, points=[_vector(np.asarray(point, float)) for point in points], pixel=pixel,
+                                angle=angle, thickness=thickness, projection=_PROJECTIONS[projection])
+        self._stream.send(pb.ClientMessage(slices=pb.SliceRequest(slices=[pb.SliceRequest.At(curved=wanted)], taken=self._taken)))
+        while True:
+            got = self._stream.until("slice")
+            self._taken = got.seq
+            if got.curved == self._oblique:
+                break
+        return Slice(values=pixels_of(got), plane="curved", index=0, first=(0, -(rows - 1) / 2 * pixel, 0), right=(pixel, 0, 0),
+                     down=(0, pixel, 0))
+
+    #: ID of the newest oblique or curved slice.
     _oblique = 0
     #: Number of the newest slice, and the earliest time of the next query for a curve.
     _taken = 0

@@ -17,6 +17,7 @@ export const slices: Texts["slices"] = {
     window: "Fenster",
     crosshair: "Fadenkreuz",
     tilt: "Kippen",
+    curve: "Kurve",
     ruler: "Lineal",
     angle: "Winkel",
     ellipse: "Ellipse",
@@ -26,6 +27,8 @@ export const slices: Texts["slices"] = {
     crosshair:
       "Ziehen, klicken oder tippen Sie, um alle drei Schichten durch diese Stelle zu legen. Mit der Maus geht das jederzeit auch, wenn Sie die Umschalttaste halten und den Zeiger bewegen.",
     tilt: "Zeigt auch die Dicke von Schichten. Ziehen Sie um das Fadenkreuz herum, um die anderen beiden Ebenen zu drehen. Mit der Tastatur drehen Komma und Punkt sie.",
+    curve:
+      "Klicken oder tippen Sie Punkte entlang eines Gefäßes, des Kiefers oder der Wirbelsäule an, auch in verschiedenen Schichten. Die Schicht entlang der Punkte erscheint gestreckt. Ziehen Sie einen Punkt, um ihn zu verschieben. Mit der Tastatur setzt die Eingabetaste einen Punkt am Fadenkreuz, und die Rücktaste entfernt den letzten.",
     ruler:
       "Ziehen Sie von einem Punkt zum anderen, oder klicken oder tippen Sie beide an. Ziehen Sie ein Ende, um es zu verschieben. Mit der Tastatur setzt die Eingabetaste einen Punkt am Fadenkreuz oder nimmt den Punkt dort auf.",
     angle:
@@ -73,6 +76,23 @@ export const slices: Texts["slices"] = {
     `${area < 100 ? fixed(area, 1) : number.format(Math.round(area))} mm², ${count(pixels, "Pixel", "Pixel")}`,
   ellipseEmpty: "Keine Werte darin",
   held: "Aufgenommen. Umschalt und Pfeile verschieben den Punkt, die Eingabetaste legt ihn ab.",
+  curve: {
+    name: "Gekrümmte Schicht",
+    hint: "Drücken Sie in beliebigen Schichten auf mindestens zwei Punkte entlang einer Struktur. Die Schicht entlang der Punkte erscheint hier gestreckt.",
+    title: (mm) => `Gekrümmte Schicht, ${fixed(mm, 1)} mm lang`,
+    canvas:
+      "Schicht entlang der Kurve. Die Pfeiltasten gehen ein Pixel entlang der Kurve oder quer dazu, und das Fadenkreuz folgt. Mit der Umschalttaste gehen sie zehn Pixel. Strg mit einer Pfeiltaste verschiebt das Bild. Plus und Minus zoomen. Komma und Punkt drehen die Schicht um die Kurve. Die Rücktaste entfernt den letzten Punkt. R zeigt die ganze Schicht.",
+    position: (along, across) => `${fixed(along, 1)} mm entlang, ${signed(fixed(across, 1))} mm quer`,
+    angleName: "Winkel um die Kurve",
+    angle: (degrees) => `Winkel ${degrees}°`,
+    angleHelp: "Dreht die Schicht um die Kurve.",
+    height: "Höhe, mm",
+    heightHelp: "Die Größe der gekrümmten Schicht quer zur Kurve in mm.",
+    undo: "Letzten Punkt der Kurve entfernen",
+    clear: "Kurve löschen",
+    full: "Die Kurve hat die Höchstzahl von 64 Punkten.",
+    noMeasures: "Das Strecken verzerrt, was neben der Kurve liegt. Messen Sie deshalb in den anderen Schichten.",
+  },
   scale: (length) => `Maßstab: ${length}`,
   millimetres: (mm) => `${String(mm).replace(".", ",")} mm`,
   centimetres: (cm) => `${cm} cm`,

@@ -13,12 +13,22 @@ export const slices = {
   views: "Layout",
   view: { picture: "3D", four: "All", axial: "Axial", sagittal: "Sagittal", coronal: "Coronal" },
   tools: "Tool",
-  tool: { window: "Window", crosshair: "Crosshair", tilt: "Tilt", ruler: "Ruler", angle: "Angle", ellipse: "Ellipse" },
+  tool: {
+    window: "Window",
+    crosshair: "Crosshair",
+    tilt: "Tilt",
+    curve: "Curve",
+    ruler: "Ruler",
+    angle: "Angle",
+    ellipse: "Ellipse",
+  },
   toolHelp: {
     window: "Drag sideways to change the contrast, and up or down to change the brightness.",
     crosshair:
       "Drag, click or tap to move all three slices to that point. With a mouse, you can also hold Shift and move the pointer at any time.",
     tilt: "Shows the thickness of slabs, too. Drag around the crosshair to turn the other two planes. With the keyboard, the comma and the full stop turn them.",
+    curve:
+      "Click or tap points along a vessel, the jaw or the spine, also in different slices. The slice along them appears straightened. Drag a point to move it. With the keyboard, Enter sets a point at the crosshair, and Backspace removes the last one.",
     ruler:
       "Drag from one point to another, or click or tap both. Drag an end to move it. With the keyboard, Enter sets a point at the crosshair, or picks up the point there.",
     angle:
@@ -68,6 +78,23 @@ export const slices = {
     `${area < 100 ? fixed(area, 1) : number.format(Math.round(area))} mm², ${count(pixels, "pixel", "pixels")}`,
   ellipseEmpty: "No values inside",
   held: "Picked up. Shift and the arrows move it, and Enter puts it down.",
+  curve: {
+    name: "Curved slice",
+    hint: "Press at least two points along a structure, in any slices. The slice along them appears here, straightened.",
+    title: (mm: number) => `Curved slice, ${mm.toFixed(1)} mm long`,
+    canvas:
+      "Slice along the curve. The arrow keys move a pixel along and across the curve, and the crosshair follows. With Shift, they move ten pixels. Ctrl with an arrow key pans the image. Plus and minus zoom. Comma and full stop turn the slice around the curve. Backspace removes the last point. R shows all of the slice.",
+    position: (along: number, across: number) => `${along.toFixed(1)} mm along, ${signed(across.toFixed(1))} mm across`,
+    angleName: "Angle around the curve",
+    angle: (degrees: number) => `Angle ${degrees}°`,
+    angleHelp: "Turns the slice around the curve.",
+    height: "Height, mm",
+    heightHelp: "The size of the curved slice across the curve in mm.",
+    undo: "Remove the last point of the curve",
+    clear: "Delete the curve",
+    full: "The curve has the maximum of 64 points.",
+    noMeasures: "Straightening stretches or squeezes what lies beside the curve, so measure in the other slices.",
+  },
   scale: (length: string) => `Scale: ${length}`,
   millimetres: (mm: number) => `${mm} mm`,
   centimetres: (cm: number) => `${cm} cm`,

@@ -18,7 +18,7 @@ import { LiveLine, RaisedHands } from "./live_line";
 import { obeyCommand } from "./obey_command";
 import { PictureTimeLine } from "./picture_time";
 import { RecordedInteraction } from "./recording";
-import { SlicesLine } from "./slices/slice_views";
+import { CurvedSliceView, SlicesLine } from "./slices/slice_views";
 import { StatusLine } from "./status_line";
 import { TourLine } from "./tour_line";
 import { useKeyCommands } from "./use_key_commands";
@@ -86,6 +86,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       class="viewer"
       ref={page}
       data-slices={session?.slices.open.value ? session.slices.view.value : undefined}
+      data-curve={session?.slices.curveShown.value ? "" : undefined}
       data-following={session?.slices.following.value ? "" : undefined}
       data-visit={session && isVisitOver(session.connection.value) ? "over" : undefined}
     >
@@ -93,6 +94,7 @@ export function Viewer({ place, title, set = null, onChange = ignore, onCut, vis
       <ViewerHeader {...common} {...{ title, visitor, cutting, obey }} fused={fused !== undefined} open={setOpen} />
       <footer class="not-medical">{t.viewer.notMedical}</footer>
       {session ? <SlicesLine session={session} /> : null}
+      {session ? <CurvedSliceView session={session} /> : null}
       <Status {...common} {...{ visitor, fault, shot, cutting, focusPicture }} film={() => setOpen("film")} />
       {session && role.follows ? <LiveLine session={session} role={role} owner={own} /> : null}
       {session ? (

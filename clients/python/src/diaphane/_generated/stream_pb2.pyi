@@ -159,6 +159,26 @@ class Config(_message.Message):
     volume: _volume_pb2.VolumeHeader
     def __init__(self, protocol: _Optional[int] = ..., session_id: _Optional[str] = ..., codec: _Optional[_Union[Codec, str]] = ..., engine: _Optional[str] = ..., device: _Optional[str] = ..., volume: _Optional[_Union[_volume_pb2.VolumeHeader, _Mapping]] = ..., scene: _Optional[_Union[_scene_pb2.Scene, _Mapping]] = ..., input_seq: _Optional[int] = ..., presets: _Optional[_Iterable[_Union[_scene_pb2.Preset, _Mapping]]] = ..., follower: bool = ..., histogram: _Optional[_Union[Histogram, _Mapping]] = ..., slice_stacks: _Optional[_Iterable[_Union[SliceStack, _Mapping]]] = ..., treatment: _Optional[_Union[Treatment, _Mapping]] = ..., second: _Optional[_Union[SecondVolume, _Mapping]] = ...) -> None: ...
 
+class CurvedSlice(_message.Message):
+    __slots__ = ["angle", "columns", "id", "pixel", "points", "projection", "rows", "thickness"]
+    ANGLE_FIELD_NUMBER: _ClassVar[int]
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    ID_FIELD_NUMBER: _ClassVar[int]
+    PIXEL_FIELD_NUMBER: _ClassVar[int]
+    POINTS_FIELD_NUMBER: _ClassVar[int]
+    PROJECTION_FIELD_NUMBER: _ClassVar[int]
+    ROWS_FIELD_NUMBER: _ClassVar[int]
+    THICKNESS_FIELD_NUMBER: _ClassVar[int]
+    angle: float
+    columns: int
+    id: int
+    pixel: float
+    points: _containers.RepeatedCompositeFieldContainer[_scene_pb2.Vec3]
+    projection: Projection
+    rows: int
+    thickness: float
+    def __init__(self, id: _Optional[int] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., points: _Optional[_Iterable[_Union[_scene_pb2.Vec3, _Mapping]]] = ..., pixel: _Optional[float] = ..., angle: _Optional[float] = ..., thickness: _Optional[float] = ..., projection: _Optional[_Union[Projection, str]] = ...) -> None: ...
+
 class Depth(_message.Message):
     __slots__ = ["distance", "found", "id", "label", "place"]
     DISTANCE_FIELD_NUMBER: _ClassVar[int]
@@ -215,8 +235,9 @@ class ErrorCurveQuery(_message.Message):
     def __init__(self) -> None: ...
 
 class ExactSlice(_message.Message):
-    __slots__ = ["columns", "data", "index", "labels", "oblique", "plane", "rows", "second", "seq"]
+    __slots__ = ["columns", "curved", "data", "index", "labels", "oblique", "plane", "rows", "second", "seq"]
     COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    CURVED_FIELD_NUMBER: _ClassVar[int]
     DATA_FIELD_NUMBER: _ClassVar[int]
     INDEX_FIELD_NUMBER: _ClassVar[int]
     LABELS_FIELD_NUMBER: _ClassVar[int]
@@ -226,6 +247,7 @@ class ExactSlice(_message.Message):
     SECOND_FIELD_NUMBER: _ClassVar[int]
     SEQ_FIELD_NUMBER: _ClassVar[int]
     columns: int
+    curved: int
     data: bytes
     index: int
     labels: bytes
@@ -234,7 +256,7 @@ class ExactSlice(_message.Message):
     rows: int
     second: bytes
     seq: int
-    def __init__(self, seq: _Optional[int] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., data: _Optional[bytes] = ..., oblique: _Optional[int] = ..., second: _Optional[bytes] = ..., labels: _Optional[bytes] = ...) -> None: ...
+    def __init__(self, seq: _Optional[int] = ..., plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., columns: _Optional[int] = ..., rows: _Optional[int] = ..., data: _Optional[bytes] = ..., oblique: _Optional[int] = ..., curved: _Optional[int] = ..., second: _Optional[bytes] = ..., labels: _Optional[bytes] = ...) -> None: ...
 
 class FileMark(_message.Message):
     __slots__ = ["label", "mark"]
@@ -754,14 +776,16 @@ class SharedTaken(_message.Message):
 class SliceRequest(_message.Message):
     __slots__ = ["slices", "taken"]
     class At(_message.Message):
-        __slots__ = ["index", "oblique", "plane"]
+        __slots__ = ["curved", "index", "oblique", "plane"]
+        CURVED_FIELD_NUMBER: _ClassVar[int]
         INDEX_FIELD_NUMBER: _ClassVar[int]
         OBLIQUE_FIELD_NUMBER: _ClassVar[int]
         PLANE_FIELD_NUMBER: _ClassVar[int]
+        curved: CurvedSlice
         index: int
         oblique: ObliqueSlice
         plane: AnatomicalPlane
-        def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., oblique: _Optional[_Union[ObliqueSlice, _Mapping]] = ...) -> None: ...
+        def __init__(self, plane: _Optional[_Union[AnatomicalPlane, str]] = ..., index: _Optional[int] = ..., oblique: _Optional[_Union[ObliqueSlice, _Mapping]] = ..., curved: _Optional[_Union[CurvedSlice, _Mapping]] = ...) -> None: ...
     SLICES_FIELD_NUMBER: _ClassVar[int]
     TAKEN_FIELD_NUMBER: _ClassVar[int]
     slices: _containers.RepeatedCompositeFieldContainer[SliceRequest.At]

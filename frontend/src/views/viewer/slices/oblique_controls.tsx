@@ -10,7 +10,8 @@ import { Typed } from "./typed";
  */
 export function ObliqueControls({ slices }: { readonly slices: Slices }) {
   const slab = slices.slab.value;
-  if (slices.tool.value !== "tilt" && slab.mm === 0 && !slices.tilt.value) return null;
+  const usesSlab = slices.tool.value === "tilt" || slices.tool.value === "curve";
+  if (!usesSlab && slab.mm === 0 && !slices.tilt.value) return null;
   return (
     <div class="slice-window" role="group" aria-label={t.slices.oblique}>
       <Typed

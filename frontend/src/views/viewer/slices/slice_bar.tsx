@@ -1,12 +1,14 @@
 import type { Signal } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
-import { tools, type Shown, type Slices } from "../../../slices/model";
+import type { Shown, Slices } from "../../../slices/model";
+import { tools } from "../../../slices/tools";
 import { usualWindows, windowLimits, type UsualWindow } from "../../../slices/window";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
 import { t } from "../../../texts";
 import { IconButton } from "../../icon_button";
 import { Icon } from "../../icons";
+import { CurveControls } from "./curve_controls";
 import { ObliqueControls } from "./oblique_controls";
 import { Typed } from "./typed";
 
@@ -35,7 +37,7 @@ export function SliceBar({ slices, volume }: SliceBarProps) {
       <ViewChoice slices={slices} />
       <Choice
         label={t.slices.tools}
-        names={tools}
+        names={tools.filter((tool) => tool !== "curve" || slices.access.value !== "shown")}
         texts={t.slices.tool}
         titles={t.slices.toolHelp}
         chosen={slices.tool.value}
@@ -43,6 +45,7 @@ export function SliceBar({ slices, volume }: SliceBarProps) {
       />
       <WindowControls slices={slices} volume={volume} />
       <ObliqueControls slices={slices} />
+      <CurveControls slices={slices} />
       <div class="slice-ends">
         <DisplayControls slices={slices} />
         <button

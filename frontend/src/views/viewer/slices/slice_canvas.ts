@@ -1,13 +1,13 @@
 import type { Area } from "../../../input/flat";
 import { perMm, pointOf, type Placing } from "../../../slices/placing";
 import { interpolate, samplesOf, wholeExtentOf, type Axis, type Extent } from "../../../slices/resample";
-import { pixelSize, type Stack } from "../../../slices/stack";
+import { pixelSize, type Grid } from "../../../slices/stack";
 import type { SecondColours } from "../../../slices/second_overlay";
 import type { Voxels } from "../../../slices/store";
 import { shade } from "../../../slices/window";
 
 export interface SliceDrawing {
-  readonly stack: Stack;
+  readonly stack: Grid;
   /**
    * The voxels of the slice. Null clears the canvas, because the previous slice belongs to another
    * position.

@@ -1,11 +1,9 @@
 import { useMemo, useState } from "preact/hooks";
-import type { Area } from "../../../input/flat";
 import type { Vec3 } from "../../../input/vec3";
-import { Modality, type VolumeHeader } from "../../../protocol/messages";
+import { Modality } from "../../../protocol/messages";
 import type { Slices } from "../../../slices/model";
 import { tiltDegrees, unitAxes } from "../../../slices/oblique";
 import {
-  blank,
   edgesOf,
   inSlice,
   isInside,
@@ -19,12 +17,14 @@ import { t } from "../../../texts";
 import { SliceMarks } from "../../marks/slice_marks";
 import { IconButton } from "../../icon_button";
 import { perMm } from "../../../slices/placing";
-import { scaleBar } from "../../../slices/scale_bar";
 import { nameOf } from "../../labels/label_name";
 import { isInSlice } from "../../../slices/measure";
+import { CurveLine } from "./curve_line";
 import { Marks } from "./marks";
+import { ScaleBar } from "./scale_bar";
 import { SlicePointers } from "./slice_pointers";
 import { measureLines, type MeasuredSlice } from "./measure_text";
+import { valueText, withSecond } from "./value_text";
 import { useSlicePane, type SlicePaneProps } from "./use_slice_pane";
 
 /** One slice with its marks, its facts and its slider. */
@@ -63,6 +63,7 @@ export function SlicePane(props: SlicePaneProps) {
         others={[...slices.stacks.value.values()].filter(({ plane }) => plane !== stack.plane)}
         turning={slices.tool.value === "tilt" && !slices.following.value}
       />
+      <CurveLine slices={slices} stack={stack} index={index} area={area} />
       <SliceMarks
         marks={props.marks}
         number={props.number}
@@ -136,20 +137,6 @@ function useMeasuredSlice({ slices, stack, volume }: SlicePaneProps): MeasuredSl
   );
 }
 
-/** Returns the maximum length of the scale bar in pixels: at most a third of a narrow pane. */
-const longestBar = (area: Area): number => Math.min(160, area.width / 3);
-
-function ScaleBar({ pixelsPerMm, area }: { readonly pixelsPerMm: number; readonly area: Area }) {
-  if (area.width === 0) return null;
-  const { mm, pixels } = scaleBar(pixelsPerMm, longestBar(area));
-  const text = mm < 10 ? t.slices.millimetres(mm) : t.slices.centimetres(mm / 10);
-  return (
-    <p class="slice-scale" style={{ width: `${pixels}px` }} role="img" aria-label={t.slices.scale(text)}>
-      {text}
-    </p>
-  );
-}
-
 interface SliceLabelsProps extends SlicePaneProps {
   readonly slice: MeasuredSlice;
   readonly byKey: boolean;
@@ -169,8 +156,8 @@ function SliceLabels({ slices, stack, volume, slice, byKey }: SliceLabelsProps) 
   // A value between the stored ones is that of the middle of a pixel.
   const place = stack.oblique ? placeOf(stack, pixelOf(stack, exact)) : exact;
   const second = slices.secondAt(stack, place);
-  const first = valueText(slices, stack, volume, place);
-  const value = second ? t.slices.both(first, textOf(second.value, second.modality)) : first;
+  const first = valueText(slices, volume, place, slices.valueAt(stack, place), Boolean(stack.oblique));
+  const value = withSecond(first, second);
   const where = t.slices.place(placeParts(place));
   const label = isInside(volume, place) ? slices.labelAt(stack, place) : null;
   const name = label ? [nameOf(label)] : [];
@@ -212,18 +199,6 @@ function measuresSaid(slices: Slices, slice: MeasuredSlice): readonly string[] {
   const index = slices.index(slice.stack);
   const newest = slices.measures.value.findLast((measure) => isInSlice(measure, slice.stack, index));
   return [...(newest ? measureLines(newest, slice) : []), ...(slices.held.value ? [t.slices.held] : [])];
-}
-
-const textOf = (value: number, modality: Modality | undefined): string =>
-  modality === Modality.CT ? t.slices.hu(value) : t.slices.value(value);
-
-function valueText(slices: Slices, stack: Stack, volume: VolumeHeader, place: Vec3): string {
-  if (!isInside(volume, place)) return t.slices.nothing;
-  const value = slices.valueAt(stack, place);
-  if (value === null) return "…";
-  if (value === blank && slices.access.value !== "whole") return t.slices.cutAway;
-  const text = textOf(value, volume.modality);
-  return stack.oblique ? t.slices.interpolated(text) : text;
 }
 
 /** The order of the panes. */

@@ -64,6 +64,7 @@ export class SlicePaneController {
       this.performAll(this.gestures.up(event.pointerId, lost));
       this.begun = null;
       this.slices.held.value = null;
+      this.slices.curve.held.value = null;
     };
     element.addEventListener("pointerup", up(false), passive);
     element.addEventListener("pointercancel", up(true), passive);
@@ -116,7 +117,8 @@ export class SlicePaneController {
         return true;
       case "Delete":
       case "Backspace":
-        slices.removeLastMeasure();
+        if (this.drawsCurve()) slices.curve.undo();
+        else slices.removeLastMeasure();
         return true;
       case "r":
       case "R":
@@ -138,7 +140,8 @@ export class SlicePaneController {
   }
 
   private doubleClicked(): void {
-    if (this.slices.following.value || this.measureKind()) return; // each click of a measuring tool sets a point
+    // Each click of a measuring tool or of the curve sets a point.
+    if (this.slices.following.value || this.measureKind() || this.drawsCurve()) return;
     this.slices.maximise(this.stack().plane);
   }
 
@@ -164,6 +167,7 @@ export class SlicePaneController {
       case "begin":
         this.begun = slices.window.value;
         if (this.measureKind()) this.beginMeasure(this.placeAt(action.at));
+        if (this.drawsCurve()) this.beginCurve(this.placeAt(action.at));
         break;
       case "drag":
         this.drag(action.from, action.at, action.by);
@@ -171,7 +175,7 @@ export class SlicePaneController {
       case "tap":
         if (slices.tool.value === "crosshair") this.cross(action.at);
         else this.setPoint(this.placeAt(action.at));
-        if (!this.measureKind()) this.press(action.at);
+        if (!this.measureKind() && !this.drawsCurve()) this.press(action.at);
         break;
       case "cross":
         this.cross(action.at);
@@ -203,6 +207,9 @@ export class SlicePaneController {
       case "tilt":
         this.turn({ x: at.x - by.x, y: at.y - by.y }, at);
         break;
+      case "curve":
+        slices.curve.moveHeld(this.placeAt(at));
+        break;
       default:
         if (slices.held.value) slices.moveHeld(this.stack(), this.placeAt(at));
         else slices.moveLastPoint(this.stack(), this.placeAt(at));
@@ -214,11 +221,26 @@ export class SlicePaneController {
     return measureKinds.find((kind) => kind === this.slices.tool.value) ?? null;
   }
 
+  private drawsCurve(): boolean {
+    return this.slices.tool.value === "curve";
+  }
+
+  /** Returns the distance in mm from which the pointer grabs something. */
+  private reach(): number {
+    const stack = this.stack();
+    return (this.byFinger ? reach.finger : reach.mouse) / perMm(stack, this.slices.placing(stack), this.area());
+  }
+
+  /** Grabs a point of the curve, or adds one that follows the pointer. */
+  private beginCurve(place: Vec3): void {
+    const { curve } = this.slices;
+    const stack = this.stack();
+    if (!curve.hold(stack, this.slices.index(stack), place, this.reach())) curve.add(place);
+  }
+
   /** Grabs a handle, or starts a measurement whose end follows the pointer. */
   private beginMeasure(place: Vec3): void {
-    const stack = this.stack();
-    const pixels = this.byFinger ? reach.finger : reach.mouse;
-    if (this.slices.hold(stack, place, pixels / perMm(stack, this.slices.placing(stack), this.area()))) return;
+    if (this.slices.hold(this.stack(), place, this.reach())) return;
     this.setPoint(place);
     const last = this.slices.measures.value.at(-1);
     if (last && !isWhole(last) && last.points.length === 1) this.setPoint(place);
@@ -244,6 +266,7 @@ export class SlicePaneController {
   }
 
   private setPoint(place: Vec3): void {
+    if (this.drawsCurve()) this.slices.curve.add(place);
     const kind = this.measureKind();
     if (kind) this.slices.setPoint(this.stack(), kind, place);
   }

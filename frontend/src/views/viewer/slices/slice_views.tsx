@@ -5,6 +5,7 @@ import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
 import { useMedia } from "../../use_media";
+import { CurvePane } from "./curve_pane";
 import { SliceBar } from "./slice_bar";
 import { paneOrder, SlicePane } from "./slice_pane";
 
@@ -46,6 +47,12 @@ export function SliceViews({ session, number }: { readonly session: ViewerSessio
       ) : null}
     </div>
   );
+}
+
+/** The slice along the curve, below all other views. */
+export function CurvedSliceView({ session: { slices, volume } }: { readonly session: ViewerSession }) {
+  if (!slices.curveShown.value || !volume.value) return null;
+  return <CurvePane slices={slices} volume={volume.value} />;
 }
 
 /** The bar below the header while slices are shown. On a narrow page, it also switches between them and the picture. */
@@ -96,7 +103,9 @@ export function toggleSlices({ open, available, following }: Slices): void {
 /** Shows only the focused view, or all four again. */
 export function maximiseFocused(slices: Slices): void {
   if (!slices.open.value || slices.following.value) return;
-  const plane = document.activeElement?.closest<HTMLElement>(".slice-pane")?.dataset.plane;
+  const pane = document.activeElement?.closest<HTMLElement>(".slice-pane");
+  if (pane?.classList.contains("curve-pane")) return; // it is always shown below the others
+  const plane = pane?.dataset.plane;
   const one = (plane ?? "picture") as Exclude<Shown, "four">;
   const view = slices.view.value;
   slices.maximise(view === "four" || view === one ? one : view);
