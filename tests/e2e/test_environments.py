@@ -78,6 +78,6 @@ def test_an_environment_of_ones_own_lights_the_scan(stack: TestStack, visit, cra
     # The previous scene still refers to it, as a preset or link of somebody else might.
     hands.act(lambda: page.get_by_role("button", name="Undo").click())
     assert environment_of(hands)["stored"] == stored
-    expect(page.get_by_text("The environment of this view no longer exists. An even light takes its place.")).to_be_visible()
+    expect(page.get_by_role("status").get_by_text("The environment of this view no longer exists. An even light takes its place.")).to_be_visible()
     stack.wait_until(lambda: 0.7 < share(hands) < 1.4, what="the even light")
     page.screenshot(path=pictures / "environment-gone.png")
