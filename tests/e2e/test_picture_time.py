@@ -62,7 +62,7 @@ def test_the_end_of_the_render_time_is_announced(stack: TestStack, visit, craniu
     # Without further input, it ends as well, with a message.
     over = page.get_by_role("heading", name="No rendering time left")
     expect(over).to_be_visible()
-    expect(page.get_by_text("It resets on")).to_be_visible()
+    expect(page.get_by_role("status").get_by_text("It resets on")).to_be_visible()
     expect(over).to_be_focused()
     page.screenshot(path=pictures / "time-over.png")
 

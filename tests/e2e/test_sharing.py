@@ -205,7 +205,7 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     dialog.get_by_role("button", name="Disable the link").first.click()
     expect(dialog.get_by_text("Link disabled. Everyone using it has been disconnected.")).to_be_visible()
     expect(bert.page.get_by_role("status").get_by_text("This scan doesn’t exist, or you don’t have access to it.")).to_be_visible()
-    expect(guest.get_by_text("the link has expired or was disabled")).to_be_visible()
+    expect(guest.get_by_role("status").get_by_text("the link has expired or was disabled")).to_be_visible()
     expect(guest.get_by_role("link", name="Create account")).to_be_visible()
     guest.get_by_role("link", name="Go to the start page").click()
     expect(guest.get_by_role("heading", name="See your own scan in 3D")).to_be_visible()

@@ -57,8 +57,8 @@ export function PictureTimeOver() {
       heading={text.over}
       text={
         <>
-          <p>{renewedAt ? text.overText(dayText(renewedAt)) : text.overBefore}</p>
-          <p class="muted">{text.more}</p>
+          <p data-said>{renewedAt ? text.overText(dayText(renewedAt)) : text.overBefore}</p>
+          <p class="muted" data-said>{text.more}</p>
         </>
       }
     >

@@ -50,8 +50,8 @@ export function VisitOver({ visitor }: { readonly visitor: Visitor }) {
       heading={text.over}
       text={
         <>
-          <p>{text.overText[visitor.kind]}</p>
-          {known ? null : <p class="muted">{text.inviteText}</p>}
+          <p data-said>{text.overText[visitor.kind]}</p>
+          {known ? null : <p class="muted" data-said>{text.inviteText}</p>}
         </>
       }
     >
