@@ -58,7 +58,9 @@ export function PictureTimeOver() {
       text={
         <>
           <p data-said>{renewedAt ? text.overText(dayText(renewedAt)) : text.overBefore}</p>
-          <p class="muted" data-said>{text.more}</p>
+          <p class="muted" data-said>
+            {text.more}
+          </p>
         </>
       }
     >

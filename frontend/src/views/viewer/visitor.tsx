@@ -51,7 +51,11 @@ export function VisitOver({ visitor }: { readonly visitor: Visitor }) {
       text={
         <>
           <p data-said>{text.overText[visitor.kind]}</p>
-          {known ? null : <p class="muted" data-said>{text.inviteText}</p>}
+          {known ? null : (
+            <p class="muted" data-said>
+              {text.inviteText}
+            </p>
+          )}
         </>
       }
     >
