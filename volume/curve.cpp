@@ -113,12 +113,12 @@ void Curve::find_tangents() {
 
 Vector Curve::first_across() const {
   constexpr std::array<Vector, 3> kDirections{{{0, 0, -1}, {1, 0, 0}, {0, 1, 0}}};
-  constexpr double kMostParallel = 0.95;
+  constexpr double kNearlyParallel = 0.95;
   const Vector& along = nodes_.front().frame.along;
   const Vector* best = nullptr;
   double least = 0;
   for (const Vector& direction : kDirections) {
-    if (std::abs(dot(along, direction)) > kMostParallel) continue;
+    if (std::abs(dot(along, direction)) > kNearlyParallel) continue;
     double parallel = 0;
     for (std::size_t k = 1; k < nodes_.size(); ++k) {
       const Vector chord = difference(nodes_[k].frame.place, nodes_[k - 1].frame.place);

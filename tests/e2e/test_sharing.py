@@ -225,7 +225,7 @@ def test_a_published_scan_is_found_and_viewed_with_a_saved_preset(stack: TestSta
     # Their time ends, and they may begin again.
     stack.psql("UPDATE visits SET expires_at = now() WHERE data_set_id = %s", scan)
     expect(nobody.get_by_role("heading", name="Your visit has ended")).to_be_visible()
-    expect(nobody.get_by_text("20 minutes at a time")).to_be_visible()
+    expect(nobody.get_by_role("status").get_by_text("20 minutes at a time")).to_be_visible()
     expect(nobody.locator(".stage > canvas")).to_be_hidden()
     nobody.screenshot(path=pictures / "sample-time-over.png")
     nobody.get_by_role("button", name="View it again").click()
