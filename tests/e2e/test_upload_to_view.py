@@ -57,7 +57,7 @@ def test_a_user_uploads_views_and_reopens_a_scan(stack: TestStack, visit, craniu
     last = last_input(page)
     page.reload()
     again = wait_for_picture(stack, page, input_seq=last)
-    assert again.input_seq == last
+    assert again.input_seq >= last, "on a busy machine, the end of the drag is sent after `last` was read"
     assert difference(second, pixels(page)) < 0.4 * difference(first, second)
     assert session == kept_view(page)["session_id"]
 
