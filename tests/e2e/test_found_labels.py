@@ -10,6 +10,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import PASSWORD, Person
+from picture import last_input, wait_for_samples
 from seeds import give_scan, write_person
 
 BONE = 0xFFFFFF05       # kFoundParts in volume/labels.h
@@ -40,7 +41,8 @@ def test_the_bone_of_a_ct_is_listed_named_and_shown_alone(stack: TestStack, visi
     page.get_by_label("Show the structures in colour").check()
     page.get_by_role("button", name="What is this?").click()
     box = page.locator(".picker").bounding_box()
-    # The skull is beside the window.
+    # The skull is beside the window, once the picture has moved there.
+    wait_for_samples(stack, page, 1, input_seq=last_input(page))
     page.locator(".picker").click(position={"x": box["width"] * 0.74, "y": box["height"] * 0.35})
     expect(page.get_by_role("status").filter(has_text="Bone")).to_be_visible()
     page.screenshot(path=pictures / "found-bone-named.png")
