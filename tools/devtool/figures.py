@@ -50,6 +50,7 @@ SECTIONS: dict[str, tuple[str, str, str]] = {
                  r"marginal-gain: mean|slowdown with round|one session, switch|decision|64 mixed, marginal-gain: queueing.*p95", ""),
     "phases": ("A beating heart of 20 phases of 256^3, played.", TARGETS, r"20 phases of 256\^3 at |: phases per second"),
     "pacs": ("1,000 slices of 512 x 512 in Orthanc.", TARGETS, ", 1000 slices"),
+    "backup": ("Of 20 scans of 15 MB.", r".", ", 20 scans of 15 MB"),
     "heads": ("Recognition of heads (95% interval).", r"sensitivity, n = (4|72|12)$|phantom: ", ""),
     "abuse": ("What ordinary users notice of an attack by 250 connections, 16 guests of a link and ten accounts at once.", r"^p95|failed", ""),
     "studies": ("Simulated crowds of 43 (validation: 16). p-values test the coverage of intervals.", TARGETS, r" binomial test of the coverage, corrected"),
